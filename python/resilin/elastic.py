@@ -267,7 +267,14 @@ class Elastic:
     def max_step(self, x: Any, p: Any) -> Any:
         """Largest t in (0, 1] such that no cell loses more than nine tenths of its volume along x + t p.
 
-        Applies to models that need J > 0; for others it is 1. `x` and `p` are (N, d).
+        Applies to models that need J > 0; for others it is 1.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+        p : array or tensor (N, d)
+            Step of the positions [m].
         """
         if is_tensor(x):
             return self._at_tensors().max_step(x, p)

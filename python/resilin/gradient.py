@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 def parameter_names(scene: Scene, overrides: Overrides = ()) -> list[str]:
     """Lists all differentiable parameters of a scene.
 
+    Parameters
+    ----------
+    scene : path or dict
+        As for `run`.
+    overrides : dict or list of "KEY=VALUE"
+        Changes of the scene.
+
     Returns
     -------
     list of str
@@ -114,5 +121,13 @@ def value_and_gradient(
 def gradient(
     scene: Scene, objective: Objective, wrt: Iterable[str], *, overrides: Overrides = (), checkpoints: int = 0
 ) -> dict[str, Numbers]:
-    """Returns the gradients of `value_and_gradient` only."""
+    """Runs a scene and returns the exact gradient of an objective by parameters of the scene.
+
+    Parameters are those of `value_and_gradient`, which returns the value of the objective as well.
+
+    Returns
+    -------
+    dict
+        {key: gradient}, each with the shape of its parameter.
+    """
     return value_and_gradient(scene, objective, wrt, overrides=overrides, checkpoints=checkpoints).gradients

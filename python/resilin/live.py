@@ -134,7 +134,15 @@ class LiveScene(PresentState[_core.LiveScene]):
         return self._core.pinned()
 
     def poke(self, center: RealArray, radius: float) -> None:
-        """Adds a ball that pushes bodies away; it moves towards `center` (d,) [m] as fast as they allow."""
+        """Adds a ball that pushes bodies away; it moves towards its target as fast as they allow.
+
+        Parameters
+        ----------
+        center : (d,)
+            Target of its centre [m].
+        radius : float
+            Radius [m].
+        """
         self._core.poke(_numbers(center, "poke"), float(radius))
         self._pages.wake()
 

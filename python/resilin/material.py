@@ -311,6 +311,12 @@ class Material:
     def constant_derivatives(self, F: Any, *, displacement_gradient: bool = False) -> Any:
         """Derivatives with respect to each constant p of the law's formula.
 
+        Parameters
+        ----------
+        F : array (..., d, d)
+        displacement_gradient : bool
+            Whether `F` holds H = F - I.
+
         Returns
         -------
         dict
@@ -330,9 +336,18 @@ class Material:
     def cauchy_stress(self, F: RealArray, *, displacement_gradient: bool = False) -> Floats: ...
 
     def cauchy_stress(self, F: Any, *, displacement_gradient: bool = False) -> Any:
-        """Cauchy stress sigma = P F^T / J [Pa], (..., 3, 3) also in plane strain.
+        """Cauchy stress sigma = P F^T / J [Pa]. For a small-strain model it is the stress itself.
 
-        For a small-strain model it is the stress itself.
+        Parameters
+        ----------
+        F : array (..., d, d)
+        displacement_gradient : bool
+            Whether `F` holds H = F - I.
+
+        Returns
+        -------
+        array (..., 3, 3)
+            Also in plane strain.
         """
         if is_tensor(F):
             return self._at_tensors().cauchy_stress(F, displacement_gradient)

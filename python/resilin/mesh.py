@@ -124,6 +124,12 @@ class Mesh:
     def from_meshio(cls, mesh: meshio.Mesh, name: str = "mesh") -> Self:
         """Converts a meshio.Mesh; cell sets, point sets and physical groups become groups.
 
+        Parameters
+        ----------
+        mesh : meshio.Mesh
+        name : str
+            Name of the mesh in messages.
+
         Raises
         ------
         InputError
@@ -167,10 +173,19 @@ class Mesh:
     def rectangle(
         cls, size: RealArray, cells: IntegerArray, origin: RealArray = (0, 0), pattern: RectanglePattern = "uniform"
     ) -> Self:
-        """A rectangle of triangles, two for each of `cells` (2,); see `box`.
+        """A rectangle of triangles with the groups body, x_min, x_max, y_min, y_max.
 
-        `pattern` "alternating" turns the diagonal of every other square, as on a chessboard; "quadrilaterals" leaves
-        the squares as they are.
+        Parameters
+        ----------
+        size : (2,)
+            Edge lengths [m].
+        cells : (2,)
+            Number of squares along x and y.
+        origin : (2,)
+            Corner with the smallest coordinates [m].
+        pattern : "uniform", "alternating" or "quadrilaterals"
+            Two triangles in each square with parallel diagonals, or with every other diagonal turned; or the square
+            as it is.
         """
         size, cells, origin = _recipe(size, cells, origin, 2, "rectangle")
         if pattern == "quadrilaterals":

@@ -189,7 +189,15 @@ class Result:
         return exchange.to_meshio(self._core, frame, fields)
 
     def to_pyvista(self, frame: int = -1, fields: Sequence[str] = exchange.USUAL_FIELDS) -> pv.UnstructuredGrid:
-        """Converts a frame to a pyvista.UnstructuredGrid with the data and arguments of `to_meshio`."""
+        """Converts a frame to a pyvista.UnstructuredGrid.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame; -1 is the last.
+        fields : list of str
+            Names of fields, as for `to_meshio`.
+        """
         return exchange.to_pyvista(self._core, frame, fields)
 
     def to_dataframe(self) -> pd.DataFrame:

@@ -248,7 +248,18 @@ def run(
     steps: int | None = None,
     progress: bool | None = None,
 ) -> Result:
-    """Simulates a scene to its end; see `Simulation` and `Simulation.run`.
+    """Simulates a scene to its end.
+
+    Parameters
+    ----------
+    scene : path or dict
+        Scene file (TOML), or its contents; see `Simulation`.
+    out : path, optional
+        Folder for the files that `resilin run` writes.
+    overrides : dict or list of "KEY=VALUE"
+        Changes of the scene, such as {"newton.tolerance": 1e-6}.
+    resume, steps, progress
+        As for `Simulation.run`.
 
     Returns
     -------

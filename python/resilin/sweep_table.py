@@ -82,7 +82,17 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
         return self.folder / "kept" / str(self["hash"][row[0]])
 
     def field(self, scene: int, name: str, frame: int = -1) -> NDArray[np.float64]:
-        """A field of one frame of a scene whose results were kept, as in `Result.fields`; frame -1 is the last."""
+        """A field of one frame of a scene whose results were kept.
+
+        Parameters
+        ----------
+        scene : int
+            Number of the scene, its row in the table.
+        name : str
+            Name of the field, as in `Result.fields`.
+        frame : int
+            Number of the frame; -1 is the last.
+        """
         array: NDArray[np.float64] = _core.kept_field(str(self.result_folder(scene)), name, frame)[0]
         return array
 
