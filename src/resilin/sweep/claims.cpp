@@ -37,9 +37,8 @@ bool Claims::lock(short kind, std::int64_t place, bool waits) {
     if (errno == EINTR) continue;
     if (errno == EAGAIN || errno == EACCES) return false;
     has_locks_ = false;
-    log_warning(
-        "this file system has no locks (" + reason_of_failed_write(errno) +
-        "): two processes may run the same scene and write its row twice; give each its --shard");
+    log_warning("this file system has no locks (" + reason_of_failed_write(errno) +
+                "): two processes may run the same scene and write its row twice; give each its --shard");
     return true;
   }
   return true;
