@@ -38,6 +38,7 @@ class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
   /// @param instantaneous  of a law with an isochoric split, with its constants under sudden load
   /// @param branches       whose shares sum to less than one
   ViscoelasticEnergy(std::shared_ptr<ElasticEnergy> instantaneous, std::vector<PronyBranch> branches);
+  ~ViscoelasticEnergy() override;
 
   std::string_view name() const override { return instantaneous_->name(); }
   EnergyProperties properties() const override { return instantaneous_->properties(); }
@@ -61,7 +62,7 @@ class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
     instantaneous_->add_hessian(x, c, projection, hessian);
   }
   void add_pattern(BlockPatternBuilder& builder) const override { instantaneous_->add_pattern(builder); }
-  void bind(const BlockPattern& pattern) override { instantaneous_->bind(pattern); }
+  void bind(const BlockPattern& pattern) override;
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
     return instantaneous_->max_step(x, p, c);
   }
@@ -87,12 +88,15 @@ class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
   double long_term_share() const { return long_term_share_; }  ///< g_inf
 
  private:
-  ElasticEnergy with_isochoric_share(double share) const;
+  struct Scaled;
+  /// The elastic body with U + share * Psi_iso.
+  std::shared_ptr<const ElasticEnergy> with_isochoric_share(double share) const;
   Eigen::Index values_per_point() const;
 
   std::shared_ptr<ElasticEnergy> instantaneous_;
   std::vector<PronyBranch> branches_;
   double long_term_share_ = 1;
+  std::unique_ptr<Scaled> scaled_;
 };
 
 }  // namespace resilin

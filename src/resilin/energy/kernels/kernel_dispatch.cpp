@@ -1,5 +1,6 @@
 #include "resilin/core/kernel_dispatch.hpp"
 #include "resilin/energy/kernels/element_kernels.hpp"
+#include "resilin/energy/kernels/overstress_kernels.hpp"
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
 #include "resilin/energy/kernels/viscous_kernels.hpp"
 
@@ -17,6 +18,11 @@ const QuadratureKernels& quadrature_kernels(int dim, int num_nodes, InstructionS
 const ViscousKernels& viscous_kernels(int dim, int num_nodes, InstructionSet set) {
   return *CompiledSets::kernels(
       set, [dim, num_nodes]<InstructionSet s>() { return &compiled_viscous_kernels<s>(dim, num_nodes); });
+}
+
+const OverstressKernels& overstress_kernels(int dim, int num_nodes, InstructionSet set) {
+  return *CompiledSets::kernels(
+      set, [dim, num_nodes]<InstructionSet s>() { return &compiled_overstress_kernels<s>(dim, num_nodes); });
 }
 
 }  // namespace resilin

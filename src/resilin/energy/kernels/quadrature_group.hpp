@@ -59,4 +59,13 @@ RESILIN_INLINE void for_groups(const QuadratureTile& tile, const Body& body) {
       body(Group<dim, num_nodes>{tile, i, static_cast<std::size_t>(tile.blocks[i]), lane});
 }
 
+/// Adds the energies of a group of lanes with compensation (Knuth's two-sum).
+RESILIN_INLINE void add_to_sum(Lanes part, int lane, EnergySum& total) {
+  const Lanes sum = Lanes::load(total.sum + lane);
+  const Lanes next = sum + part, shown = next - sum;
+  const Lanes rest = (sum - (next - shown)) + (part - shown);
+  next.store(total.sum + lane);
+  (Lanes::load(total.rest + lane) + rest).store(total.rest + lane);
+}
+
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE

@@ -46,11 +46,7 @@ void add_energies(const QuadratureTile& tile, const double* psi, const double* p
       if (psi_from != nullptr) value -= Lanes::load(psi_from + at.row(q, 1));
       part += at.weight(q) * value;
     }
-    const Lanes sum = Lanes::load(total.sum + at.lane);
-    const Lanes next = sum + part, shown = next - sum;  // two-sum (Knuth)
-    const Lanes rest = (sum - (next - shown)) + (part - shown);
-    next.store(total.sum + at.lane);
-    (Lanes::load(total.rest + at.lane) + rest).store(total.rest + at.lane);
+    add_to_sum(part, at.lane, total);
   });
   total.is_outside = total.is_outside || any(is_outside);
 }

@@ -1,0 +1,279 @@
+// Compiled once for each instruction set: see core/simd.hpp.
+#include "resilin/energy/kernels/overstress_kernels.hpp"
+
+#include "resilin/core/simd_math.hpp"
+#include "resilin/core/simd_svd.hpp"
+#include "resilin/energy/kernels/node_counts.hpp"
+#include "resilin/energy/kernels/point_gradients.hpp"
+
+namespace resilin::RESILIN_SIMD_NAMESPACE {
+namespace {
+
+/// H at a point: its part in the plane or in space, and zz where that is out of the plane.
+template <int dim>
+struct History {
+  Lanes H[dim * dim], zz;
+
+  template <class AnyGroup>
+  RESILIN_INLINE History(const double* all, const AnyGroup& at, std::size_t point) {
+    constexpr int places[symmetric_size][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
+    const double* rows =
+        all + (at.block * at.tile.num_points + point) * (symmetric_size * block_size) + at.lane;
+    for (int k = 0; k < symmetric_size; ++k) {
+      const int i = places[k][0], j = places[k][1];
+      if (i < dim && j < dim) H[dim * i + j] = H[dim * j + i] = Lanes::load(rows + k * block_size);
+    }
+    zz = dim == 2 ? Lanes::load(rows + 2 * block_size) : Lanes(0.0);
+  }
+};
+
+/// C = A B
+template <int dim>
+RESILIN_INLINE void multiply(const Lanes A[], const Lanes B[], Lanes C[]) {
+  for (int i = 0; i < dim; ++i)
+    for (int k = 0; k < dim; ++k) {
+      C[dim * i + k] = A[dim * i] * B[k];
+      for (int m = 1; m < dim; ++m) C[dim * i + k] += A[dim * i + m] * B[dim * m + k];
+    }
+}
+
+template <int dim>
+RESILIN_INLINE void cofactors(const Lanes F[], Lanes C[]) {
+  if constexpr (dim == 2) {
+    C[0] = F[3];
+    C[1] = -F[2];
+    C[2] = -F[1];
+    C[3] = F[0];
+  } else {
+    cofactor(F, C);
+  }
+}
+
+/// J^(-2/3)
+RESILIN_INLINE Lanes isochoric_scale(Lanes J) { return exp((-2.0 / 3.0) * log1p(J - 1.0)); }
+
+/// Factors of the density s t / 2 and of its slopes.
+template <int dim>
+struct Overstress {
+  Lanes n[dim * dim];  ///< F^-T
+  Lanes Q[dim * dim];  ///< F H
+  Lanes J, s, t;       ///< det F, J^(-2/3), C:H
+
+  RESILIN_INLINE Overstress(const Lanes F[], const History<dim>& history) {
+    multiply<dim>(F, history.H, Q);
+    cofactors<dim>(F, n);
+    J = dot<dim>(F, n);
+    const Lanes inverse = 1.0 / J;
+    for (Lanes& entry : n) entry *= inverse;
+    s = isochoric_scale(J);
+    t = dot<dim * dim>(F, Q) + history.zz;
+  }
+};
+
+/// F at a point from differences of displacements.
+template <int dim, int num_nodes>
+RESILIN_INLINE void shape_at(const Group<dim, num_nodes>& at, std::size_t point,
+                             const Lanes u[num_nodes][dim], const Lanes dxi_dX[], Lanes F[]) {
+  gradient_at<dim, num_nodes>(at, point, u, dxi_dX, F);
+  add_identity<dim>(F);
+}
+
+template <int num_nodes, int dim>
+RESILIN_INLINE std::size_t num_points(const QuadratureTile& tile) {
+  return num_nodes == dim + 1 ? 1 : tile.num_points;
+}
+
+template <int dim, int num_nodes>
+void add_differences(const QuadratureTile& tile, const double* all, const double* from, const double* to,
+                     EnergySum& total) {
+  constexpr int n = dim * dim;
+  for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
+    Lanes u[num_nodes][dim], change[num_nodes][dim], part = 0.0;
+    gather_differences<dim, num_nodes>(at, from, u);
+    gather_differences<dim, num_nodes>(at, to, change);
+    for (int a = 1; a < num_nodes; ++a)
+      for (int i = 0; i < dim; ++i) change[a][i] -= u[a][i];
+    for (std::size_t q = 0; q < num_points<num_nodes, dim>(tile); ++q) {
+      const History<dim> history(all, at, q);
+      Lanes dxi_dX[n], F[n], D[n], mean[n], cof[n], twice_mean_H[n];
+      at.inverse_jacobian(q, dxi_dX);
+      shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
+      gradient_at<dim, num_nodes>(at, q, change, dxi_dX, D);
+      for (int i = 0; i < n; ++i) mean[i] = F[i] + 0.5 * D[i];
+      // det(M + D/2) - det(M - D/2) = cof(M):D + det(D)/4 in 3D, M being the mean
+      cofactors<dim>(mean, cof);
+      Lanes change_of_J = dot<n>(cof, D);
+      if constexpr (dim == 3) {
+        Lanes cof_D[n];
+        cofactors<dim>(D, cof_D);
+        change_of_J += 0.25 * dot<dim>(D, cof_D);
+      }
+      const Overstress<dim> before(F, history);
+      const Lanes change_of_s = before.s * expm1((-2.0 / 3.0) * log1p(change_of_J / before.J));
+      // C:H at the end less that at the start is D:((F + F + D) H)
+      multiply<dim>(mean, history.H, twice_mean_H);
+      const Lanes change_of_t = 2.0 * dot<n>(D, twice_mean_H);
+      part += at.weight(q) * (0.5 * ((before.s + change_of_s) * change_of_t + change_of_s * before.t));
+    }
+    add_to_sum(part, at.lane, total);
+  });
+}
+
+template <int dim, int num_nodes>
+void add_magnitudes(const QuadratureTile& tile, const double* all, const double* displacements,
+                    EnergySum& total) {
+  constexpr int n = dim * dim;
+  for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
+    Lanes u[num_nodes][dim], part = 0.0;
+    gather_differences<dim, num_nodes>(at, displacements, u);
+    for (std::size_t q = 0; q < num_points<num_nodes, dim>(tile); ++q) {
+      const History<dim> history(all, at, q);
+      Lanes dxi_dX[n], F[n], sum = abs(history.zz);
+      at.inverse_jacobian(q, dxi_dX);
+      shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
+      for (int i = 0; i < dim; ++i)
+        for (int k = 0; k < dim; ++k) {
+          Lanes C = F[i] * F[k];
+          for (int m = 1; m < dim; ++m) C += F[dim * m + i] * F[dim * m + k];
+          sum += abs(C * history.H[dim * i + k]);
+        }
+      part += at.weight(q) * (0.5 * Overstress<dim>(F, history).s * sum);
+    }
+    add_to_sum(part, at.lane, total);
+  });
+}
+
+/// P = s (F H - t/3 F^-T)
+template <int dim, int num_nodes>
+void add_forces(const QuadratureTile& tile, const double* all, const double* displacements, bool is_magnitude,
+                const OwnedNodes& owned, double* forces) {
+  constexpr int n = dim * dim;
+  for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
+    Lanes u[num_nodes][dim], f[num_nodes][dim];
+    gather_differences<dim, num_nodes>(at, displacements, u);
+    for (auto& node_force : f)
+      for (Lanes& component : node_force) component = 0.0;
+    for (std::size_t q = 0; q < num_points<num_nodes, dim>(tile); ++q) {
+      const History<dim> history(all, at, q);
+      Lanes dxi_dX[n], F[n], P[n], T[dim][dim];  // T = w P (dxi/dX)^T
+      at.inverse_jacobian(q, dxi_dX);
+      shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
+      const Overstress<dim> here(F, history);
+      const Lanes third = (1.0 / 3.0) * here.t, w = at.weight(q) * here.s;
+      for (int i = 0; i < n; ++i) P[i] = here.Q[i] - third * here.n[i];
+      for (int i = 0; i < dim; ++i)
+        for (int m = 0; m < dim; ++m) T[i][m] = w * dot<dim>(P + dim * i, dxi_dX + dim * m);
+      add_shares<dim, num_nodes>(at, q, T, f);
+    }
+    scatter_shares<dim, num_nodes>(at, f, is_magnitude, owned, forces);
+  });
+}
+
+/// Takes off `removed` times the negative part of the eigenvalues of H.
+template <int dim>
+RESILIN_INLINE void project(double removed, Lanes H[]) {
+  Lanes A[dim][dim], V[dim][dim];
+  for (int i = 0; i < dim; ++i)
+    for (int k = 0; k < dim; ++k) A[i][k] = H[dim * i + k];
+  diagonalize<dim>(A, V);
+  for (int i = 0; i < dim; ++i)
+    for (int k = 0; k < dim; ++k) {
+      Lanes off = 0.0;
+      for (int m = 0; m < dim; ++m) off += min(A[m][m], Lanes(0.0)) * (V[i][m] * V[k][m]);
+      H[dim * i + k] -= removed * off;
+    }
+}
+
+template <int dim, int num_nodes>
+RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const double* all,
+                                       const double* displacements, double removed,
+                                       ElementHessian<dim, num_nodes>& K) {
+  constexpr int n = dim * dim;
+  Lanes u[num_nodes][dim];
+  gather_differences<dim, num_nodes>(at, displacements, u);
+  for (std::size_t q = 0; q < num_points<num_nodes, dim>(at.tile); ++q) {
+    History<dim> history(all, at, q);
+    Lanes dxi_dX[n], F[n], g[num_nodes][dim], Hg[num_nodes][dim];
+    at.inverse_jacobian(q, dxi_dX);
+    shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
+    const Overstress<dim> here(F, history);
+    const Lanes scale = at.weight(q) * here.s;
+    if (removed > 0) project<dim>(removed, history.H);
+    for (int a = 1; a < num_nodes; ++a) {
+      at.gradient(q, a, dxi_dX, g[a]);
+      for (int i = 0; i < dim; ++i) Hg[a][i] = scale * dot<dim>(history.H + dim * i, g[a]);
+    }
+    for (int b = 1; b < num_nodes; ++b)
+      for (int a = 1; a <= b; ++a) {
+        const Lanes common = dot<dim>(g[a], Hg[b]);
+        for (int i = 0; i < dim; ++i) K[pair_index(num_nodes, a, b)][(dim + 1) * i] += common;
+      }
+    if (removed > 0) continue;
+    Lanes normal[num_nodes][dim], pull[num_nodes][dim];
+    for (int a = 1; a < num_nodes; ++a)
+      for (int i = 0; i < dim; ++i) {
+        normal[a][i] = dot<dim>(here.n + dim * i, g[a]);
+        pull[a][i] = dot<dim>(here.Q + dim * i, g[a]);
+      }
+    const Lanes third = (1.0 / 3.0) * here.t;
+    for (int b = 1; b < num_nodes; ++b)
+      for (int a = 1; a <= b; ++a) {
+        Lanes* block = K[pair_index(num_nodes, a, b)];
+        for (int i = 0; i < dim; ++i)
+          for (int k = 0; k < dim; ++k)
+            block[dim * i + k] += scale * (third * normal[b][i] * normal[a][k] -
+                                           (2.0 / 3.0) * (normal[a][i] * (pull[b][k] - third * normal[b][k]) +
+                                                          pull[a][i] * normal[b][k]));
+      }
+  }
+  for (int a = 1; a < num_nodes; ++a) make_symmetric<dim>(K[pair_index(num_nodes, a, a)]);
+  complete_node_zero<dim, num_nodes>(K);
+}
+
+template <int dim, int num_nodes>
+void add_matrices(const QuadratureTile& tile, const double* all, const double* displacements, double removed,
+                  double* out_rows) {
+  constexpr int rows = num_pairs(num_nodes) * dim * dim;
+  for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
+    double* out = out_rows + at.in_tile * static_cast<std::size_t>(rows * block_size) + at.lane;
+    if constexpr (Lanes::width == block_size) {  // a row of lanes is a row of the block: no copy
+      add_element_matrix<dim, num_nodes>(at, all, displacements, removed,
+                                         *reinterpret_cast<ElementHessian<dim, num_nodes>*>(out));
+    } else {
+      ElementHessian<dim, num_nodes> K;
+      load_rows(out, rows, K[0]);
+      add_element_matrix<dim, num_nodes>(at, all, displacements, removed, K);
+      store_rows(K[0], rows, out);
+    }
+  });
+}
+
+template <int dim, int num_nodes>
+constexpr OverstressKernels kernels = {add_differences<dim, num_nodes>, add_magnitudes<dim, num_nodes>,
+                                       add_forces<dim, num_nodes>, add_matrices<dim, num_nodes>};
+
+template <int dim, int... counts>
+const OverstressKernels& find(int num_nodes, std::integer_sequence<int, counts...>) {
+  const OverstressKernels* found = &kernels<dim, dim + 1>;
+  ((found = num_nodes == counts ? &kernels<dim, counts> : found), ...);
+  return *found;
+}
+
+const OverstressKernels& kernels_of_cells(int dim, int num_nodes) {
+  return dim == 2 ? find<2>(num_nodes, NodeCounts<2>::type{}) : find<3>(num_nodes, NodeCounts<3>::type{});
+}
+
+}  // namespace
+
+}  // namespace resilin::RESILIN_SIMD_NAMESPACE
+
+namespace resilin {
+
+template <InstructionSet>
+const OverstressKernels& compiled_overstress_kernels(int dim, int num_nodes) {
+  return RESILIN_SIMD_NAMESPACE::kernels_of_cells(dim, num_nodes);
+}
+template const OverstressKernels& compiled_overstress_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int,
+                                                                                                      int);
+
+}  // namespace resilin
