@@ -112,18 +112,22 @@ void expect_stretches(const Simulation& simulation, const nlohmann::json& row, d
   EXPECT_NEAR(1 + displacement.z(), row["lateral_stretch"].get<double>(), tolerance);
 }
 
-struct ViscoelasticReference : ::testing::TestWithParam<std::string> {
+struct ViscoelasticReference : ::testing::TestWithParam<std::tuple<std::string, ViscoelasticForm>> {
   const nlohmann::json reference = read_reference("viscoelastic");
-  nlohmann::json rows(const std::string& name) const {
-    return reference["results"][GetParam() + "_simo"][name];
+  const std::string law = std::get<0>(GetParam());
+  const ViscoelasticForm formulation = std::get<1>(GetParam());
+  const std::string name = law + "_" + std::string(spelling(formulation));
+
+  Description cube(double end_time, int steps) const {
+    Description scene = reference_cube(law, end_time, steps);
+    scene.bodies[0].material.viscoelastic->formulation = formulation;
+    return scene;
   }
-  nlohmann::json shear_rows(const std::string& name) const {
-    return reference["results"]["shear_" + GetParam() + "_simo"][name]["rows"];
-  }
+  nlohmann::json rows(const std::string& kind) const { return reference["results"][name][kind]; }
 };
 
 TEST_P(ViscoelasticReference, StepsAreThoseOfTheUpdateRule) {
-  Description scene = reference_cube(GetParam(), 2, 20);
+  Description scene = cube(2, 20);
   pull(scene, 0.8, table({0, 1, 2}, {0, 1, 1}));
   Simulation simulation(scene);
   for (const auto& row : rows("time_discrete")["linear"]) {
@@ -135,7 +139,7 @@ TEST_P(ViscoelasticReference, StepsAreThoseOfTheUpdateRule) {
 }
 
 TEST_P(ViscoelasticReference, StressRelaxesAfterAJump) {
-  Description scene = reference_cube(GetParam(), 1, 200);
+  Description scene = cube(1, 200);
   start_stretched(scene, rows("relaxation_jump_finite")[0]);
   pull(scene, 0.8, table({0}, {1}));
   Simulation simulation(scene);
@@ -150,7 +154,7 @@ TEST_P(ViscoelasticReference, StressRelaxesAfterAJump) {
 }
 
 TEST_P(ViscoelasticReference, CreepsUnderALoadThatStays) {
-  Description scene = reference_cube(GetParam(), 1, 200);
+  Description scene = cube(1, 200);
   const nlohmann::json creep = rows("creep_jump");
   start_stretched(scene, creep["rows"][0]);
   LoadDescription load;
@@ -169,7 +173,7 @@ TEST_P(ViscoelasticReference, CreepsUnderALoadThatStays) {
 }
 
 TEST_P(ViscoelasticReference, CyclesLoseTheAreaOfTheirLoops) {
-  Description scene = reference_cube(GetParam(), 2, 400);
+  Description scene = cube(2, 400);
   const nlohmann::json cyclic = rows("cyclic");
   pull(scene, 0.5 * cyclic["A"].get<double>(),
        {TimeFunction::Sine{.frequency = 1, .amplitude = 1, .phase = -90, .offset = 1}});
@@ -189,8 +193,26 @@ TEST_P(ViscoelasticReference, CyclesLoseTheAreaOfTheirLoops) {
   }
 }
 
+TEST_P(ViscoelasticReference, ForcesFollowARampToTheIntegral) {
+  if (formulation == ViscoelasticForm::whole) return;  // without rows of this kind
+  const nlohmann::json ramp = rows("ramp_finite_rate1.0");
+  Description scene = cube(0.8, 400);
+  pull(scene, 0.8, table({0, 0.8}, {0, 1}));
+  Simulation simulation(scene);
+  int count = 0;
+  for (const auto& row : ramp["rows"]) {
+    if (row["t"] > 0.8 + 1e-9 || row["t"] == 0.0) continue;
+    step_to(simulation, row["t"]);
+    const double P = row["P11"];
+    EXPECT_NEAR(reaction(simulation.frame(), "pulled", 0), P, 1e-5 * P);
+    ++count;
+  }
+  EXPECT_GT(count, 0);
+}
+
 TEST_P(ViscoelasticReference, StressesInSimpleShearAreThoseOfTheIntegral) {
-  Description scene = reference_cube(GetParam(), 0.2, 200);
+  if (formulation == ViscoelasticForm::whole) return;  // without rows of this kind
+  Description scene = cube(0.2, 200);
   scene.fixes.clear();
   FixDescription all = fix("all", Where());
   all.gradient(0, 1) = 1.2;
@@ -198,7 +220,7 @@ TEST_P(ViscoelasticReference, StressesInSimpleShearAreThoseOfTheIntegral) {
   scene.fixes.push_back(all);
   Simulation simulation(scene);
   const std::vector<std::string> names = {"cauchy_stress"};
-  for (const auto& row : shear_rows("ramp_finite")) {
+  for (const auto& row : reference["results"]["shear_" + name]["ramp_finite"]["rows"]) {
     if (row["t"] > 0.2) break;
     step_to(simulation, row["t"]);
     const std::vector<double> stress =
@@ -213,8 +235,13 @@ TEST_P(ViscoelasticReference, StressesInSimpleShearAreThoseOfTheIntegral) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Laws, ViscoelasticReference, ::testing::Values("nh_iso_j1", "mooney_rivlin"),
-                         [](const auto& of) { return of.param; });
+INSTANTIATE_TEST_SUITE_P(Laws, ViscoelasticReference,
+                         ::testing::Combine(::testing::Values("nh_iso_j1", "mooney_rivlin"),
+                                            ::testing::Values(ViscoelasticForm::simo, ViscoelasticForm::iso,
+                                                              ViscoelasticForm::whole)),
+                         [](const auto& of) {
+                           return std::get<0>(of.param) + "_" + std::string(spelling(std::get<1>(of.param)));
+                         });
 
 TEST(ViscoelasticStrip, CreepsAndComesBackAsInAnotherCode) {
   const nlohmann::json reference = read_reference("visco_strip");
@@ -349,6 +376,24 @@ TEST(Viscoelasticity, CreepsToTheEquilibriumOfItsLongTermModuli) {
   EXPECT_LT((crept - elastic).norm(), 1e-3 * elastic.norm());
 }
 
+/// A long time after the load, a body whose whole stress relaxes is one with all moduli scaled.
+TEST(Viscoelasticity, OfTheWholeStressTakesAnyLaw) {
+  for (const std::string law : {"neo_hookean", "stable_neo_hookean", "corotated"}) {
+    SCOPED_TRACE(law);
+    Description scene = creeping_bar(2, false);
+    scene.bodies[0].material.law = law;
+    scene.bodies[0].material.constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.3}};
+    scene.bodies[0].material.viscoelastic = prony({0.5}, {0.01});
+    scene.bodies[0].material.viscoelastic->formulation = ViscoelasticForm::whole;
+    scene.end_time = 100;
+    const Vector3 crept = converged_end_of(scene).frame().probes[0].displacement;
+    scene.bodies[0].material.viscoelastic.reset();
+    scene.bodies[0].material.constants["youngs_modulus"] = 5e4;
+    const Vector3 elastic = converged_end_of(scene).frame().probes[0].displacement;
+    EXPECT_LT((crept - elastic).norm(), 1e-3 * elastic.norm());
+  }
+}
+
 TEST(Viscoelasticity, DoesNotGoOnFromAStateOfOtherMaterials) {
   Description scene = creeping_bar(2, false);
   Simulation simulation(scene);
@@ -381,6 +426,9 @@ TEST(Viscoelasticity, OfBadInputIsRefusedInOneLine) {
   Description scene = creeping_bar(2, false);
   scene.bodies[0].material.law = "neo_hookean";
   EXPECT_THAT(refusal_of(scene), HasSubstr("expected a law with an isochoric-volumetric split"));
+  scene.bodies[0].material.law = "linear_elastic";
+  scene.bodies[0].material.viscoelastic->formulation = ViscoelasticForm::whole;
+  EXPECT_THAT(refusal_of(scene), HasSubstr("expected a law of finite strain"));
   scene = creeping_bar(2, false);
   scene.load_control = LoadControlKind::arc_length;
   EXPECT_THAT(refusal_of(scene), HasSubstr("arc_length"));

@@ -45,13 +45,17 @@ Tensor tensor_of(const Matrix<3>& matrix) {
 
 Matrix<3> deviator(const Matrix<3>& sigma) { return sigma - sigma.trace() / 3 * Matrix<3>::Identity(); }
 
-/// Kirchhoff stress J sigma of J^(-2/3) DEV[A].
-Matrix<3> pushed_forward(const Matrix<3>& F, const Matrix<3>& A) {
-  return std::pow(F.determinant(), -2.0 / 3) * deviator(F * A * F.transpose());
+/// Kirchhoff stress J sigma of J^(-2/3) DEV[A]; of A itself where no deviator is taken.
+Matrix<3> pushed_forward(ViscoelasticForm form, const Matrix<3>& F, const Matrix<3>& A) {
+  const Matrix<3> tau = F * A * F.transpose();
+  if (form != ViscoelasticForm::simo) return tau;
+  return std::pow(F.determinant(), -2.0 / 3) * deviator(tau);
 }
 
-/// P:D of the nominal stress P = J^(-2/3) (F A - (F:F A)/3 F^-T) of J^(-2/3) DEV[A].
-double nominal_work(const Matrix<3>& F, const Matrix<3>& A, const Matrix<3>& D) {
+/// P:D of the nominal stress P = J^(-2/3) (F A - (F:F A)/3 F^-T) of J^(-2/3) DEV[A]; of F A where no deviator
+/// is taken.
+double nominal_work(ViscoelasticForm form, const Matrix<3>& F, const Matrix<3>& A, const Matrix<3>& D) {
+  if (form != ViscoelasticForm::simo) return (F * A).cwiseProduct(D).sum();
   const Matrix<3> cofactors = cofactor(F), pull = F * A;
   const double J = F.row(0).dot(cofactors.row(0)), cube_root = std::cbrt(J);
   return (pull.cwiseProduct(D).sum() -
@@ -77,13 +81,14 @@ struct Decays {
   }
 };
 
-/// The part J^(-2/3) C:H / 2 of a stage's energy.
+/// The part s C:H / 2 of a stage's energy.
 class Overstress {
  public:
   /// @param rows  H by row of lanes: [block][point][symmetric_size][lane]
-  Overstress(const ElasticEnergy& body, std::vector<double> rows)
+  Overstress(const ElasticEnergy& body, ViscoelasticForm form, std::vector<double> rows)
       : body_(body),
         rows_(std::move(rows)),
+        overstress_{rows_.data(), form == ViscoelasticForm::simo},
         kernels_(overstress_kernels(body.element().dim, body.element().num_nodes, body.instruction_set())),
         all_blocks_(body.tiles().blocks.num_blocks) {
     std::iota(all_blocks_.begin(), all_blocks_.end(), 0);
@@ -93,25 +98,25 @@ class Overstress {
 
   double difference(const std::vector<double>& from, const std::vector<double>& to) const {
     return sum([&](const QuadratureTile& tile, EnergySum& sum) {
-      kernels_.add_differences(tile, rows_.data(), from.data(), to.data(), sum);
+      kernels_.add_differences(tile, overstress_, from.data(), to.data(), sum);
     });
   }
   double magnitude(const std::vector<double>& u) const {
     return sum([&](const QuadratureTile& tile, EnergySum& sum) {
-      kernels_.add_magnitudes(tile, rows_.data(), u.data(), sum);
+      kernels_.add_magnitudes(tile, overstress_, u.data(), sum);
     });
   }
   void add_forces(const std::vector<double>& u, bool is_magnitude, VectorX& forces) const {
     body_.add_by_owner(
         [&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch&, double* local) {
-          kernels_.add_forces(body_.tiles().quadrature_tile(tile), rows_.data(), u.data(), is_magnitude,
-                              owned, local);
+          kernels_.add_forces(body_.tiles().quadrature_tile(tile), overstress_, u.data(), is_magnitude, owned,
+                              local);
         },
         forces);
   }
   void add_matrices(const std::vector<double>& u, Projection projection, const ElasticTiles::Tile& tile,
                     double* K) const {
-    kernels_.add_matrices(body_.tiles().quadrature_tile(tile), rows_.data(), u.data(),
+    kernels_.add_matrices(body_.tiles().quadrature_tile(tile), overstress_, u.data(),
                           removed_part(projection), K);
   }
 
@@ -127,6 +132,7 @@ class Overstress {
 
   const ElasticEnergy& body_;
   std::vector<double> rows_;
+  OverstressRows overstress_;
   const OverstressKernels& kernels_;
   std::vector<Index> all_blocks_;
 };
@@ -181,12 +187,14 @@ std::vector<double> overstress_rows(const ElementBlocks& blocks, const std::vect
 class StageViscoelastic final : public BasicEnergy {
  public:
   /// @param body     whose cells other terms refer to
-  /// @param elastic  the same with its isochoric part scaled
+  /// @param elastic  the same with the relaxing part of its energy scaled
   StageViscoelastic(const ElasticEnergy& body, std::shared_ptr<const ElasticEnergy> elastic,
-                    const std::vector<PronyBranch>& branches, VectorX history, double elapsed)
+                    const std::vector<PronyBranch>& branches, ViscoelasticForm form, VectorX history,
+                    double elapsed)
       : body_(body),
         elastic_(std::move(elastic)),
         branches_(branches),
+        form_(form),
         history_(std::move(history)),
         elapsed_(elapsed) {}
 
@@ -243,7 +251,7 @@ class StageViscoelastic final : public BasicEnergy {
   const Overstress& overstress() const {
     std::call_once(is_made_, [this] {
       overstress_ = std::make_unique<const Overstress>(
-          *elastic_, overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
+          *elastic_, form_, overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
     });
     return *overstress_;
   }
@@ -251,6 +259,7 @@ class StageViscoelastic final : public BasicEnergy {
   const ElasticEnergy& body_;
   std::shared_ptr<const ElasticEnergy> elastic_;
   const std::vector<PronyBranch>& branches_;
+  ViscoelasticForm form_;
   VectorX history_;
   double elapsed_;
   mutable std::once_flag is_made_{};
@@ -266,10 +275,12 @@ bool has_isochoric_split(const LawInfo& law) {
 
 // Psi is a stress times a pure number, so it is linear in all constants that are stresses together; the bulk
 // modulus alone stands in U.
-std::vector<double> isochoric_factors(const LawInfo& law, double factor) {
+std::vector<double> relaxing_factors(const LawInfo& law, ViscoelasticForm form, double factor) {
   std::vector<double> factors;
   for (const ConstantText& constant : law.constants)
-    factors.push_back(constant.unit == "Pa" && constant.name != "bulk_modulus" ? factor : 1);
+    factors.push_back(
+        constant.unit == "Pa" && (form == ViscoelasticForm::whole || constant.name != "bulk_modulus") ? factor
+                                                                                                      : 1);
   return factors;
 }
 
@@ -286,9 +297,10 @@ struct ViscoelasticEnergy::Scaled {
 ViscoelasticEnergy::~ViscoelasticEnergy() = default;
 
 ViscoelasticEnergy::ViscoelasticEnergy(std::shared_ptr<ElasticEnergy> instantaneous,
-                                       std::vector<PronyBranch> branches)
+                                       std::vector<PronyBranch> branches, ViscoelasticForm form)
     : instantaneous_(std::move(instantaneous)),
       branches_(std::move(branches)),
+      form_(form),
       scaled_(std::make_unique<Scaled>()) {
   for (const PronyBranch& branch : branches_) long_term_share_ -= branch.share;
 }
@@ -306,7 +318,7 @@ Eigen::Index ViscoelasticEnergy::num_history_values() const {
   return Eigen::Index{instantaneous_->num_cells()} * instantaneous_->num_points() * values_per_point();
 }
 
-std::shared_ptr<const ElasticEnergy> ViscoelasticEnergy::with_isochoric_share(double share) const {
+std::shared_ptr<const ElasticEnergy> ViscoelasticEnergy::with_relaxing_share(double share) const {
   constexpr std::size_t most = 3;  // the long term and two lengths of a stage
   const std::scoped_lock lock(scaled_->mutex);
   std::vector<Scaled::Copy>& copies = scaled_->copies;
@@ -317,7 +329,7 @@ std::shared_ptr<const ElasticEnergy> ViscoelasticEnergy::with_isochoric_share(do
   }
   if (copies.size() == most) copies.pop_back();
   const auto energy = std::make_shared<const ElasticEnergy>(
-      instantaneous_->with_scaled_constants(isochoric_factors(instantaneous_->law(), share)));
+      instantaneous_->with_scaled_constants(relaxing_factors(instantaneous_->law(), form_, share)));
   copies.insert(copies.begin(), {.share = share, .energy = energy});
   return energy;
 }
@@ -328,9 +340,9 @@ std::unique_ptr<Energy> ViscoelasticEnergy::begin_stage_after(const VectorX& his
   if (stage.elapsed > 0) {
     double share = long_term_share_;
     for (const PronyBranch& branch : branches_) share += branch.share * mean_decay(branch, stage.elapsed);
-    elastic = with_isochoric_share(share);
+    elastic = with_relaxing_share(share);
   }
-  return std::make_unique<StageViscoelastic>(*instantaneous_, std::move(elastic), branches_, history,
+  return std::make_unique<StageViscoelastic>(*instantaneous_, std::move(elastic), branches_, form_, history,
                                              stage.elapsed);
 }
 
@@ -349,8 +361,10 @@ HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const V
           const auto first = static_cast<Eigen::Index>(point) * values_per_point();
           const Matrix<3>&F = gradients[point], &F_n = before[point], inverse = F.inverse();
           const double J = F.determinant();
-          const Tensor X =
-              tensor_of(std::cbrt(J * J) * J * (inverse * deviator(stresses[point]) * inverse.transpose()));
+          const Matrix<3> relaxing =
+              form_ == ViscoelasticForm::whole ? stresses[point] : deviator(stresses[point]);
+          const double scale = form_ == ViscoelasticForm::simo ? std::cbrt(J * J) * J : J;
+          const Tensor X = tensor_of(scale * (inverse * relaxing * inverse.transpose()));
           const Tensor change = X - history.segment<symmetric_size>(first);
           Tensor pull = Tensor::Zero(), pull_before = Tensor::Zero();  // sum_i g_i h_i
           for (std::size_t k = 0; k < branches_.size(); ++k) {
@@ -365,7 +379,8 @@ HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const V
           // Work of the mean of the nominal stresses at both ends.
           const Matrix<3> D = F - F_n;
           heat += volumes[point] * 0.5 *
-                  (nominal_work(F, matrix_of(pull), D) + nominal_work(F_n, matrix_of(pull_before), D));
+                  (nominal_work(form_, F, matrix_of(pull), D) +
+                   nominal_work(form_, F_n, matrix_of(pull_before), D));
         }
         return heat;
       });
@@ -373,11 +388,11 @@ HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const V
 }
 
 double ViscoelasticEnergy::stored_energy(const VectorX& x) const {
-  return with_isochoric_share(long_term_share_)->value(x, {});
+  return with_relaxing_share(long_term_share_)->value(x, {});
 }
 
 double ViscoelasticEnergy::stored_difference(const VectorX& from, const VectorX& to) const {
-  return with_isochoric_share(long_term_share_)->difference(from, to, {});
+  return with_relaxing_share(long_term_share_)->difference(from, to, {});
 }
 
 std::vector<Matrix<3>> ViscoelasticEnergy::cauchy_stresses(const VectorX& x, const VectorX& history) const {
@@ -390,16 +405,18 @@ std::vector<Matrix<3>> ViscoelasticEnergy::cauchy_stresses(const VectorX& x, con
       for (std::size_t k = 0; k < branches_.size(); ++k)
         pull += branches_[k].share *
                 history.segment<symmetric_size>(first + symmetric_size * static_cast<Eigen::Index>(k + 1));
-      const Matrix<3> isochoric = deviator(stresses[point]);
-      stresses[point] += (long_term_share_ - 1) * isochoric +
-                         pushed_forward(gradients[point], matrix_of(pull)) / gradients[point].determinant();
+      const Matrix<3> relaxing =
+          form_ == ViscoelasticForm::whole ? stresses[point] : deviator(stresses[point]);
+      stresses[point] +=
+          (long_term_share_ - 1) * relaxing +
+          pushed_forward(form_, gradients[point], matrix_of(pull)) / gradients[point].determinant();
     }
   });
   return stresses;
 }
 
 std::vector<double> ViscoelasticEnergy::energy_densities(const VectorX& x) const {
-  return with_isochoric_share(long_term_share_)->energy_densities(x);
+  return with_relaxing_share(long_term_share_)->energy_densities(x);
 }
 
 }  // namespace resilin

@@ -6,6 +6,7 @@
 
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/history_term.hpp"
+#include "resilin/energy/viscoelastic_form.hpp"
 
 namespace resilin {
 
@@ -18,11 +19,11 @@ struct PronyBranch {
 /// True for a law Psi = Psi_iso(J^(-1/3) F) + U(J) with a bulk modulus of its own in U.
 bool has_isochoric_split(const LawInfo& law);
 
-/// Factors of a law's constants that scale Psi_iso and leave U alone.
-std::vector<double> isochoric_factors(const LawInfo& law, double factor);
+/// Factors of a law's constants that scale the energy that relaxes: all of Psi, or Psi_iso alone.
+std::vector<double> relaxing_factors(const LawInfo& law, ViscoelasticForm form, double factor);
 
-/// Strain energy of a viscoelastic body at finite strain: the isochoric stress relaxes, the pressure does
-/// not.
+/// Strain energy of a viscoelastic body at finite strain. For `ViscoelasticForm::simo` the isochoric stress
+/// relaxes, the pressure does not:
 ///
 ///   S(t) = J U' C^-1 + J^(-2/3) DEV[ int g(t - s) d/ds X(s) ds ],   X = DEV[2 dPsi_iso/dC_bar]
 ///
@@ -32,12 +33,17 @@ std::vector<double> isochoric_factors(const LawInfo& law, double factor);
 ///   h_i <- e_i h_i + c_i (X - X_n),   e_i = exp(-dt/tau_i),   c_i = (1 - e_i) / (dt/tau_i)
 ///
 /// A stage minimises U + (g_inf + sum_i g_i c_i) Psi_iso + J^(-2/3) C:H / 2, H = sum_i g_i (e_i h_i - c_i
-/// X_n). Sources: Simo 1987; Simo & Hughes 1998, ch. 10. Theory: docs/theory/viscoelasticity.md.
+/// X_n). The other two follow S_iso or S itself: X is that stress, J^(-2/3) is left out, and `whole` scales U
+/// as well. Sources: Simo 1987; Simo & Hughes 1998, ch. 10; Holzapfel 2000, ch. 6; Puso & Weiss 1998.
+/// Theory: docs/theory/viscoelasticity.md.
 class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
  public:
-  /// @param instantaneous  of a law with an isochoric split, with its constants under sudden load
+  /// @param instantaneous  with its constants under sudden load; of a law with an isochoric split unless all
+  /// of
+  ///                       the stress relaxes
   /// @param branches       whose shares sum to less than one
-  ViscoelasticEnergy(std::shared_ptr<ElasticEnergy> instantaneous, std::vector<PronyBranch> branches);
+  ViscoelasticEnergy(std::shared_ptr<ElasticEnergy> instantaneous, std::vector<PronyBranch> branches,
+                     ViscoelasticForm form = ViscoelasticForm::simo);
   ~ViscoelasticEnergy() override;
 
   std::string_view name() const override { return instantaneous_->name(); }
@@ -75,7 +81,7 @@ class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
   /// of it back while it relaxes.
   Advance advance(const VectorX& history, const VectorX& from, const VectorX& to,
                   double duration) const override;
-  /// U + g_inf Psi_iso: that of the long-term moduli.
+  /// That of the long-term moduli, such as U + g_inf Psi_iso.
   double stored_energy(const VectorX& x) const override;
   double stored_difference(const VectorX& from, const VectorX& to) const override;
 
@@ -89,12 +95,13 @@ class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
 
  private:
   struct Scaled;
-  /// The elastic body with U + share * Psi_iso.
-  std::shared_ptr<const ElasticEnergy> with_isochoric_share(double share) const;
+  /// The elastic body with the relaxing part of its energy times `share`.
+  std::shared_ptr<const ElasticEnergy> with_relaxing_share(double share) const;
   Eigen::Index values_per_point() const;
 
   std::shared_ptr<ElasticEnergy> instantaneous_;
   std::vector<PronyBranch> branches_;
+  ViscoelasticForm form_;
   double long_term_share_ = 1;
   std::unique_ptr<Scaled> scaled_;
 };

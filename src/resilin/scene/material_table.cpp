@@ -25,14 +25,19 @@ std::vector<double> read_numbers(const SceneNode& node) {
 Keys<ViscoelasticDescription> viscoelastic_keys() {
   using V = ViscoelasticDescription;
   return {
-      key<V>({"g", "list of numbers > 0", "", "required",
-              "Share of each branch in the shear moduli; all sum to less than 1 for instantaneous moduli."},
-             [](const SceneNode& node, V& v) { v.g = read_numbers(node); }),
+      key<V>(
+          {"g", "list of numbers > 0", "", "required",
+           "Share of each branch in the moduli that relax; all sum to less than 1 for instantaneous moduli."},
+          [](const SceneNode& node, V& v) { v.g = read_numbers(node); }),
       key<V>({"tau", "list of numbers > 0", "s", "required", "Relaxation time of each branch."},
              [](const SceneNode& node, V& v) { v.tau = read_numbers(node); }),
       choice_key("moduli", &V::moduli,
                  "The moduli that the constants of the law describe: under a sudden load, or after a long "
                  "time; g are fractions of these moduli."),
+      choice_key(
+          "formulation", &V::formulation,
+          "What relaxes: the isochoric stress as in Abaqus (simo) or in FEBio's uncoupled viscoelastic "
+          "(iso), or the whole stress as in FEBio's viscoelastic (whole)."),
   };
 }
 
@@ -51,7 +56,7 @@ Keys<MaterialDescription> material_keys() {
       number_key("density", &M::density, "kg/m^3", not_negative,
                  "Mass per reference volume; > 0 in dynamics."),
       key<M>({"viscoelastic", "[viscoelastic](#viscoelastic)", "", "none",
-              "Finite-strain viscoelasticity by a Prony series, for laws with a bulk_modulus."},
+              "Finite-strain viscoelasticity by a Prony series."},
              read_viscoelastic),
   };
 }
@@ -167,11 +172,12 @@ void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription&
 }
 
 TableDoc viscoelastic_doc() {
-  return document("viscoelastic",
-                  "Prony series of a material: shear stress relaxes by 1 - sum_i g_i (1 - exp(-t / tau_i)) "
-                  "([materials](materials.md#viscoelasticity)). The pressure does not relax. In a static "
-                  "analysis the time is the load factor times `simulation.end_time`.",
-                  viscoelastic_keys());
+  return document(
+      "viscoelastic",
+      "Prony series of a material: stress relaxes by 1 - sum_i g_i (1 - exp(-t / tau_i)) "
+      "([materials](materials.md#viscoelasticity)). The pressure relaxes in the formulation whole "
+      "only. In a static analysis the time is the load factor times `simulation.end_time`.",
+      viscoelastic_keys());
 }
 
 TableDoc material_doc() {

@@ -108,9 +108,10 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
     if (material.viscoelastic) {
       PronySeries series = prony_series(*material.viscoelastic, law);
       if (series.stiffening != 1)
-        energy = std::make_shared<ElasticEnergy>(
-            energy->with_scaled_constants(isochoric_factors(law, series.stiffening)));
-      const auto viscoelastic = std::make_shared<ViscoelasticEnergy>(energy, std::move(series.branches));
+        energy = std::make_shared<ElasticEnergy>(energy->with_scaled_constants(
+            relaxing_factors(law, material.viscoelastic->formulation, series.stiffening)));
+      const auto viscoelastic = std::make_shared<ViscoelasticEnergy>(energy, std::move(series.branches),
+                                                                     material.viscoelastic->formulation);
       domain.viscoelastic = viscoelastic;
       term = viscoelastic;
     }

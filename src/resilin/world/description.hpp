@@ -12,6 +12,7 @@
 #include "resilin/core/spelling.hpp"
 #include "resilin/core/types.hpp"
 #include "resilin/energy/time_function.hpp"
+#include "resilin/energy/viscoelastic_form.hpp"
 #include "resilin/mesh/mesh.hpp"
 
 /// A simulation as plain data: the scene file, the Python dict and C++ programs all fill these structs, and
@@ -89,11 +90,12 @@ struct Where {
 /// Finite-strain viscoelasticity by a Prony series (docs/theory/viscoelasticity.md).
 struct ViscoelasticDescription {
   std::string place = "material.viscoelastic";
-  /// Share of each branch in the shear moduli: of the instantaneous or of the long-term ones, as `moduli`
-  /// says.
+  /// Share of each branch in the moduli that relax: of the instantaneous or of the long-term ones, as
+  /// `moduli` says.
   std::vector<double> g;
   std::vector<double> tau;  ///< relaxation time of each branch [s]
   Moduli moduli = Moduli::instantaneous;
+  ViscoelasticForm formulation = ViscoelasticForm::simo;
 };
 
 /// Constitutive model and constants of a body or region.

@@ -31,10 +31,14 @@ const ViscoelasticDescription* find_viscoelasticity(const BodyDescription& body)
 }  // namespace
 
 PronySeries prony_series(const ViscoelasticDescription& description, const LawInfo& law) {
-  const auto& [place, g, tau, moduli] = description;
-  if (!has_isochoric_split(law))
+  const auto& [place, g, tau, moduli, formulation] = description;
+  if (formulation == ViscoelasticForm::whole && law.kind == LawKind::small_strain)
+    throw InputError(place, "a law of finite strain", '"' + std::string(law.name) + '"',
+                     "choose another law or leave viscoelastic out");
+  if (formulation != ViscoelasticForm::whole && !has_isochoric_split(law))
     throw InputError(place, "a law with an isochoric-volumetric split: " + laws_with_split(),
-                     '"' + std::string(law.name) + '"', "choose one of them or leave viscoelastic out");
+                     '"' + std::string(law.name) + '"',
+                     "choose one of them, or formulation = \"whole\", in which the pressure relaxes, too");
   if (g.empty()) throw InputError(place + ".g", "a share for each branch, at least one", "none");
   if (tau.size() != g.size())
     throw InputError(place + ".tau",

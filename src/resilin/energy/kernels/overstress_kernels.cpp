@@ -15,10 +15,10 @@ struct History {
   Lanes H[dim * dim], zz;
 
   template <class AnyGroup>
-  RESILIN_INLINE History(const double* all, const AnyGroup& at, std::size_t point) {
+  RESILIN_INLINE History(const OverstressRows& all, const AnyGroup& at, std::size_t point) {
     constexpr int places[symmetric_size][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
     const double* rows =
-        all + (at.block * at.tile.num_points + point) * (symmetric_size * block_size) + at.lane;
+        all.H + (at.block * at.tile.num_points + point) * (symmetric_size * block_size) + at.lane;
     for (int k = 0; k < symmetric_size; ++k) {
       const int i = places[k][0], j = places[k][1];
       if (i < dim && j < dim) H[dim * i + j] = H[dim * j + i] = Lanes::load(rows + k * block_size);
@@ -55,18 +55,23 @@ RESILIN_INLINE Lanes isochoric_scale(Lanes J) { return exp((-2.0 / 3.0) * log1p(
 /// Factors of the density s t / 2 and of its slopes.
 template <int dim>
 struct Overstress {
-  Lanes n[dim * dim];  ///< F^-T
+  Lanes n[dim * dim];  ///< F^-T; zero where s is constant
   Lanes Q[dim * dim];  ///< F H
-  Lanes J, s, t;       ///< det F, J^(-2/3), C:H
+  Lanes J, s, t;       ///< det F; J^(-2/3) or 1; C:H
 
-  RESILIN_INLINE Overstress(const Lanes F[], const History<dim>& history) {
+  RESILIN_INLINE Overstress(const Lanes F[], const History<dim>& history, bool is_isochoric) {
     multiply<dim>(F, history.H, Q);
+    t = dot<dim * dim>(F, Q) + history.zz;
+    if (!is_isochoric) {
+      for (Lanes& entry : n) entry = 0.0;
+      J = s = 1.0;
+      return;
+    }
     cofactors<dim>(F, n);
     J = dot<dim>(F, n);
     const Lanes inverse = 1.0 / J;
     for (Lanes& entry : n) entry *= inverse;
     s = isochoric_scale(J);
-    t = dot<dim * dim>(F, Q) + history.zz;
   }
 };
 
@@ -84,8 +89,8 @@ RESILIN_INLINE std::size_t num_points(const QuadratureTile& tile) {
 }
 
 template <int dim, int num_nodes>
-void add_differences(const QuadratureTile& tile, const double* all, const double* from, const double* to,
-                     EnergySum& total) {
+void add_differences(const QuadratureTile& tile, const OverstressRows& all, const double* from,
+                     const double* to, EnergySum& total) {
   constexpr int n = dim * dim;
   for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
     Lanes u[num_nodes][dim], change[num_nodes][dim], part = 0.0;
@@ -108,8 +113,9 @@ void add_differences(const QuadratureTile& tile, const double* all, const double
         cofactors<dim>(D, cof_D);
         change_of_J += 0.25 * dot<dim>(D, cof_D);
       }
-      const Overstress<dim> before(F, history);
-      const Lanes change_of_s = before.s * expm1((-2.0 / 3.0) * log1p(change_of_J / before.J));
+      const Overstress<dim> before(F, history, all.is_isochoric);
+      Lanes change_of_s = 0.0;
+      if (all.is_isochoric) change_of_s = before.s * expm1((-2.0 / 3.0) * log1p(change_of_J / before.J));
       // C:H at the end less that at the start is D:((F + F + D) H)
       multiply<dim>(mean, history.H, twice_mean_H);
       const Lanes change_of_t = 2.0 * dot<n>(D, twice_mean_H);
@@ -120,7 +126,7 @@ void add_differences(const QuadratureTile& tile, const double* all, const double
 }
 
 template <int dim, int num_nodes>
-void add_magnitudes(const QuadratureTile& tile, const double* all, const double* displacements,
+void add_magnitudes(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
                     EnergySum& total) {
   constexpr int n = dim * dim;
   for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
@@ -137,7 +143,7 @@ void add_magnitudes(const QuadratureTile& tile, const double* all, const double*
           for (int m = 1; m < dim; ++m) C += F[dim * m + i] * F[dim * m + k];
           sum += abs(C * history.H[dim * i + k]);
         }
-      part += at.weight(q) * (0.5 * Overstress<dim>(F, history).s * sum);
+      part += at.weight(q) * (0.5 * Overstress<dim>(F, history, all.is_isochoric).s * sum);
     }
     add_to_sum(part, at.lane, total);
   });
@@ -145,8 +151,8 @@ void add_magnitudes(const QuadratureTile& tile, const double* all, const double*
 
 /// P = s (F H - t/3 F^-T)
 template <int dim, int num_nodes>
-void add_forces(const QuadratureTile& tile, const double* all, const double* displacements, bool is_magnitude,
-                const OwnedNodes& owned, double* forces) {
+void add_forces(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
+                bool is_magnitude, const OwnedNodes& owned, double* forces) {
   constexpr int n = dim * dim;
   for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
     Lanes u[num_nodes][dim], f[num_nodes][dim];
@@ -158,7 +164,7 @@ void add_forces(const QuadratureTile& tile, const double* all, const double* dis
       Lanes dxi_dX[n], F[n], P[n], T[dim][dim];  // T = w P (dxi/dX)^T
       at.inverse_jacobian(q, dxi_dX);
       shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
-      const Overstress<dim> here(F, history);
+      const Overstress<dim> here(F, history, all.is_isochoric);
       const Lanes third = (1.0 / 3.0) * here.t, w = at.weight(q) * here.s;
       for (int i = 0; i < n; ++i) P[i] = here.Q[i] - third * here.n[i];
       for (int i = 0; i < dim; ++i)
@@ -185,7 +191,7 @@ RESILIN_INLINE void project(double removed, Lanes H[]) {
 }
 
 template <int dim, int num_nodes>
-RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const double* all,
+RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const OverstressRows& all,
                                        const double* displacements, double removed,
                                        ElementHessian<dim, num_nodes>& K) {
   constexpr int n = dim * dim;
@@ -196,7 +202,7 @@ RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const do
     Lanes dxi_dX[n], F[n], g[num_nodes][dim], Hg[num_nodes][dim];
     at.inverse_jacobian(q, dxi_dX);
     shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
-    const Overstress<dim> here(F, history);
+    const Overstress<dim> here(F, history, all.is_isochoric);
     const Lanes scale = at.weight(q) * here.s;
     if (removed > 0) project<dim>(removed, history.H);
     for (int a = 1; a < num_nodes; ++a) {
@@ -208,7 +214,7 @@ RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const do
         const Lanes common = dot<dim>(g[a], Hg[b]);
         for (int i = 0; i < dim; ++i) K[pair_index(num_nodes, a, b)][(dim + 1) * i] += common;
       }
-    if (removed > 0) continue;
+    if (removed > 0 || !all.is_isochoric) continue;
     Lanes normal[num_nodes][dim], pull[num_nodes][dim];
     for (int a = 1; a < num_nodes; ++a)
       for (int i = 0; i < dim; ++i) {
@@ -231,8 +237,8 @@ RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const do
 }
 
 template <int dim, int num_nodes>
-void add_matrices(const QuadratureTile& tile, const double* all, const double* displacements, double removed,
-                  double* out_rows) {
+void add_matrices(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
+                  double removed, double* out_rows) {
   constexpr int rows = num_pairs(num_nodes) * dim * dim;
   for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
     double* out = out_rows + at.in_tile * static_cast<std::size_t>(rows * block_size) + at.lane;
