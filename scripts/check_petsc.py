@@ -141,7 +141,7 @@ def differences_of_reports(one, several, scene):
     problems = []
     for key in ("status", "title", "bodies", "solver"):
         if key == "bodies":
-            of_whole_bodies = ("discretisation_error", "mesh_volume_ratio")
+            of_whole_bodies = ("discretisation_error", "discretisation_error_by", "mesh_volume_ratio")
             left = [{k: v for k, v in body.items() if k not in of_whole_bodies} for body in one[key]]
             right = [{k: v for k, v in body.items() if k not in of_whole_bodies} for body in several[key]]
             if left != right:

@@ -77,13 +77,15 @@ void print_modes(const std::vector<VibrationMode>& modes) {
   }
 }
 
-/// One line, of all bodies. In motion there is but the estimate by recovered stress.
+/// One line, of all bodies.
 void print_discretisation_errors(const World& world, const DiscretisationErrors& errors) {
   std::vector<std::string> parts;
   for (std::size_t b = 0; b < errors.size(); ++b)
-    if (const std::optional<double>& error = errors[b])
-      parts.push_back(share_text(*error) + " (" + world.bodies[b].name + ", " + world.bodies[b].element +
-                      (world.is_dynamic && *error != cannot_tell ? ", by recovered stress)" : ")"));
+    if (const auto& error = errors[b]) {
+      const bool is_weak = error->estimate == ErrorEstimate::recovered_stress && error->share != cannot_tell;
+      parts.push_back(share_text(error->share) + " (" + world.bodies[b].name + ", " +
+                      world.bodies[b].element + (is_weak ? ", by recovered stress)" : ")"));
+    }
   if (!parts.empty()) print_line("estimated discretisation error: " + join(parts));
 }
 

@@ -216,9 +216,13 @@ class BodyReport(_Body, total=False):
 
 
 class ReportedBody(BodyReport):
-    """A body in the report; `discretisation_error` is an estimate (docs/theory/discretisation.md)."""
+    """A body in the report; `discretisation_error` is an estimate (docs/theory/discretisation.md).
+
+    By "recovered stress" it may be much too low for mixed elements.
+    """
 
     discretisation_error: float | None
+    discretisation_error_by: str | None  # "richer space" or "recovered stress"
     # Volume of the cells by the volume inside the skin; None without a closed skin.
     mesh_volume_ratio: float | None
 

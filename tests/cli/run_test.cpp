@@ -137,7 +137,27 @@ TEST_F(RunCommand, SaysHowFarOffCoarseCellsMayBeAtRestAndInMotion) {
     EXPECT_LT(read_json(out() / "report.json")["bodies"][0]["discretisation_error"].get<double>(), 0.03);
     EXPECT_EQ(finer.err, "");
     EXPECT_THAT(finer.out, HasSubstr("estimated discretisation error: "));
+    const bool is_still = kind == still;
+    EXPECT_EQ(read_json(out() / "report.json")["bodies"][0]["discretisation_error_by"],
+              is_still ? "richer space" : "recovered stress");
+    EXPECT_EQ(finer.out.find("(box, P2, by recovered stress)") == std::string::npos, is_still);
   }
+}
+
+TEST_F(RunCommand, SaysThatRecoveredStressTellsLittleOfMixedElements) {
+  std::string scene(box_scene);
+  const std::string law = "material = { ";
+  const std::size_t found = scene.find(law);
+  ASSERT_NE(found, std::string::npos);
+  scene.insert(found + law.size(), "viscoelastic = { g = [0.3], tau = [0.1] }, ");
+  folder.write("box.toml", scene);
+  const ProgramResult result = run_program(folder.path(), {"run", "box.toml", "--set", "body.0.element=P2P0",
+                                                           "--set", "body.0.material.law=neo_hookean_simo"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("(box, P2P0, by recovered stress)"));
+  EXPECT_THAT(result.err,
+              HasSubstr("by recovered stress alone, which may tell many times too little of P2P0"));
+  EXPECT_EQ(read_json(out() / "report.json")["bodies"][0]["discretisation_error_by"], "recovered stress");
 }
 
 TEST_F(RunCommand, PrintsNothingWhenQuiet) {

@@ -186,6 +186,27 @@ TEST(DiscretisationError, IsToldInOneLineWithACure) {
   EXPECT_THAT(line_of(), HasSubstr("\"body\" is one cell across"));
 }
 
+/// A small number by recovered stress alone would be a wrong promise of mixed elements.
+TEST(DiscretisationError, OfMixedElementsInStaticsTellsThatRecoveredStressIsWeak) {
+  Description scene = cantilever(2, 5, 2, "P2P0");
+  scene.bodies[0].material.constants["poissons_ratio"] = 0.49;
+  scene.bodies[0].material.law = "neo_hookean_simo";
+  const World still(scene);
+  const auto lines = [](const World& world, ErrorEstimate estimate) {
+    return coarseness_texts(world, {DiscretisationError{.share = 0.002, .estimate = estimate}});
+  };
+  EXPECT_THAT(lines(still, ErrorEstimate::recovered_stress),
+              ::testing::ElementsAre(::testing::AllOf(HasSubstr("0.2 % by recovered stress alone"),
+                                                      HasSubstr("too little of P2P0"))));
+  EXPECT_TRUE(lines(still, ErrorEstimate::richer_space).empty());
+  scene.is_dynamic = true;
+  scene.time_step = 0.01;
+  scene.end_time = 1;
+  EXPECT_TRUE(lines(World(scene), ErrorEstimate::recovered_stress).empty());
+  const World simple(cantilever(2, 5, 2, "P2"));
+  EXPECT_TRUE(lines(simple, ErrorEstimate::recovered_stress).empty());
+}
+
 TEST(DiscretisationError, KnowsBodiesThatAreOneCellAcross) {
   for (const int dim : {2, 3})
     for (const std::string element : {"P1", "P2", "Q1"})

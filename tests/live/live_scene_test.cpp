@@ -64,7 +64,7 @@ TEST(LiveScene, TakesTheElementOfARunAndSaysHowFarOffItsCellsMayBe) {
     EXPECT_EQ(scene.world().bodies[0].element, simulation.world().bodies[0].element);
     const DiscretisationErrors errors =
         discretisation_errors(simulation.world(), simulation.state().positions);
-    EXPECT_EQ(*errors[0] > large_discretisation_error, element == "P1");
+    EXPECT_EQ(errors[0]->share > large_discretisation_error, element == "P1");
     // In motion, too, before it has come to rest.
     for (int i = 0; i < 40; ++i) scene.step(unhurried);
     ASSERT_FALSE(scene.report().at_rest);
@@ -72,7 +72,7 @@ TEST(LiveScene, TakesTheElementOfARunAndSaysHowFarOffItsCellsMayBe) {
               element == "P1");
     steps_to_rest(scene);
     ASSERT_TRUE(scene.report().at_rest) << scene.report().words;
-    EXPECT_NEAR(*scene.report().discretisation_errors[0], *errors[0], 1e-5 * *errors[0]);
+    EXPECT_NEAR(scene.report().discretisation_errors[0]->share, errors[0]->share, 1e-5 * errors[0]->share);
     EXPECT_EQ(scene.report().words.find("has an estimated discretisation error of") != std::string::npos,
               element == "P1");
   }

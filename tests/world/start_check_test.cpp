@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "every_element.hpp"
 #include "small_scenes.hpp"
 
@@ -97,6 +99,25 @@ TEST(Start, IsRefusedWhereALawEndsElsewhere) {
     body.initial_positions.insert(body.initial_positions.end(), place.data(), place.data() + 3);
   }
   EXPECT_THAT(refusal_of(scene), AllOf(HasSubstr("gent"), HasSubstr("finite"), HasSubstr("cell 0")));
+}
+
+/// Flat cells have finite forces, but no area that a Cauchy stress could act on.
+TEST(Start, TellsOfCellsWithoutVolumeWhereTheLawPermitsThem) {
+  for (const std::string law : {"stable_neo_hookean", "linear_elastic"})
+    for (const double height : {0.0, 0.1}) {
+      Description scene = small_bar(3, true);
+      BodyDescription& body = scene.bodies[0];
+      body.material = material_of(*find_law(law));
+      for (const Vector3& X : body.mesh.vertices) {
+        const Vector3 place(X.x(), X.y(), height * X.z());
+        body.initial_positions.insert(body.initial_positions.end(), place.data(), place.data() + 3);
+      }
+      const World world(scene);
+      const bool is_told = std::ranges::any_of(world.warnings, [](const std::string& warning) {
+        return warning.find("starts with cells of no volume, cell 0 among them") != std::string::npos;
+      });
+      EXPECT_EQ(is_told, law == "stable_neo_hookean" && height == 0) << law << " " << height;
+    }
 }
 
 /// A scene with nothing in it, and what makes it a scene in which something happens.

@@ -350,16 +350,28 @@ std::optional<double> error_by_recovered_stress(const World& world, const Body& 
 
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions) {
   DiscretisationErrors errors;
-  for (const Body& body : world.bodies) errors.push_back(error_by_recovered_stress(world, body, positions));
+  for (const Body& body : world.bodies) {
+    const std::optional<double> share = error_by_recovered_stress(world, body, positions);
+    errors.push_back(share ? std::optional(DiscretisationError{*share, ErrorEstimate::recovered_stress})
+                           : std::nullopt);
+  }
   return errors;
 }
 
 std::vector<std::string> coarseness_texts(const World& world, const DiscretisationErrors& errors) {
   std::vector<std::string> texts;
   for (std::size_t b = 0; b < errors.size() && b < world.bodies.size(); ++b) {
-    const double error = errors[b].value_or(0);
-    if (error <= large_discretisation_error) continue;
+    if (!errors[b]) continue;
+    const double error = errors[b]->share;
     const Body& body = world.bodies[b];
+    const bool is_by_stress = errors[b]->estimate == ErrorEstimate::recovered_stress && error != cannot_tell;
+    if (is_by_stress && !world.is_dynamic && body.domains.element().has_mean_volume) {
+      texts.push_back("\"" + body.name + "\" has a discretisation error of " + share_text(error) +
+                      " by recovered stress alone, which may tell many times too little of " + body.element +
+                      ": compare with finer cells");
+      continue;
+    }
+    if (error <= large_discretisation_error) continue;
     if (error == cannot_tell) {
       texts.push_back("\"" + body.name +
                       "\" is one cell across: its discretisation error cannot be estimated " +
@@ -367,6 +379,7 @@ std::vector<std::string> coarseness_texts(const World& world, const Discretisati
       continue;
     }
     texts.push_back("\"" + body.name + "\" has an estimated discretisation error of " + share_text(error) +
+                    (is_by_stress ? " by recovered stress" : "") +
                     " (displacements, or forces where displacements are prescribed): " + body.element +
                     " on these cells is too coarse; take " + finer_choice(body));
   }
@@ -378,9 +391,13 @@ double share_missing(double gain, bool is_driven_by_displacements) {
   return std::abs(gain) / std::max(1 + gain, least_share_of_norm);
 }
 
-std::string share_text(double error) {
-  if (error == cannot_tell) return "unknown: one cell across";
-  const double percent = 100 * error;
+std::string_view name(ErrorEstimate estimate) {
+  return estimate == ErrorEstimate::richer_space ? "richer space" : "recovered stress";
+}
+
+std::string share_text(double share) {
+  if (share == cannot_tell) return "unknown: one cell across";
+  const double percent = 100 * share;
   if (percent < 0.01) return "less than 0.01 %";
   const double digit = std::pow(10.0, std::floor(std::log10(percent)) - 1);
   return format_short(std::round(percent / digit) * digit) + " %";

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "resilin/world/world.hpp"
@@ -33,8 +34,24 @@ bool is_one_cell_across(const Body& body);
 std::optional<double> error_by_recovered_stress(const World& world, const Body& body,
                                                 const VectorX& positions);
 
-/// The same for each body of the world.
-using DiscretisationErrors = std::vector<std::optional<double>>;
+/// The kinds of estimate.
+enum class ErrorEstimate {
+  richer_space,     ///< a step into a richer space, which sees what the cells cannot represent
+  recovered_stress  ///< differences of stresses alone: it may tell many times too little of mixed elements
+};
+/// Its name in report.json.
+std::string_view name(ErrorEstimate estimate);
+
+struct DiscretisationError {
+  double share = 0;  ///< share of the displacements or forces, or `cannot_tell`
+  ErrorEstimate estimate = ErrorEstimate::recovered_stress;
+
+  bool operator==(const DiscretisationError&) const = default;
+};
+
+/// The error of each body of the world; empty where there is no estimate.
+using DiscretisationErrors = std::vector<std::optional<DiscretisationError>>;
+/// Errors by recovered stress.
 DiscretisationErrors discretisation_errors(const World& world, const VectorX& positions);
 
 /// int |T|^2 dV [J], the norm above of the solution: twice the strain energy where strains are small, and for
@@ -49,10 +66,11 @@ double share_missing(double gain, bool is_driven_by_displacements);
 /// The estimate above which a body's cells are called too coarse: what is told as 3 % may be 5 % or more.
 constexpr double large_discretisation_error = 0.03;
 
-/// One line for each body whose cells are too coarse: how far off it may be, and what to choose.
+/// One line for each body whose cells are too coarse: how far off it may be, and what to choose. In statics
+/// also one for each body of mixed elements of which recovered stress alone tells.
 std::vector<std::string> coarseness_texts(const World& world, const DiscretisationErrors& errors);
 
 /// "13 %", "0.3 %"; "unknown: one cell across".
-std::string share_text(double error);
+std::string share_text(double share);
 
 }  // namespace resilin

@@ -149,7 +149,8 @@ struct SharedResults::Contents {
           summary_of(simulation, outcome, seconds_before + seconds_since(start), output_seconds);
       Json report = report_json(world(), frames, summary);
       report["bodies"] = Json::parse(scene.whole.bodies_json);
-      for (Json& body : report["bodies"]) body["discretisation_error"] = body["mesh_volume_ratio"] = nullptr;
+      for (Json& body : report["bodies"])
+        body["discretisation_error"] = body["discretisation_error_by"] = body["mesh_volume_ratio"] = nullptr;
       report["processes"] = share().exchange().num_ranks();
       write_text(folder / report_name, report_text(report));
       write_text(folder / checkpoint_name, serialize(Checkpoint{.version = std::string(version()),

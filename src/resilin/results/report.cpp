@@ -235,9 +235,10 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   report["loads"] = tells_conditions ? loads_json(world) : Json::array();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const DiscretisationErrors& errors = summary.outcome.discretisation_errors;
-    const std::optional<double> error = b < errors.size() ? errors[b] : std::nullopt;
-    report["bodies"][b]["discretisation_error"] =
-        error && *error != cannot_tell ? Json(*error) : Json(nullptr);
+    const auto error = b < errors.size() ? errors[b] : std::nullopt;
+    const bool is_told = error && error->share != cannot_tell;
+    report["bodies"][b]["discretisation_error"] = is_told ? Json(error->share) : Json(nullptr);
+    report["bodies"][b]["discretisation_error_by"] = is_told ? Json(name(error->estimate)) : Json(nullptr);
     const std::optional<double> ratio = has_ended ? mesh_volume_ratio(world, world.bodies[b]) : std::nullopt;
     report["bodies"][b]["mesh_volume_ratio"] = ratio ? Json(*ratio) : Json(nullptr);
   }

@@ -115,10 +115,12 @@ DiscretisationErrors estimated_errors(const Simulation& simulation, const std::o
     const Body& body = world.bodies[b];
     const std::optional<SpaceError::Change> more = space ? space->changes[b] : std::nullopt;
     const std::optional<double> norm = more ? squared_solution_norm(body, x) : std::nullopt;
-    errors.push_back(
+    const std::optional<double> share =
         !more  ? error_by_recovered_stress(world, body, x)
         : norm ? std::optional(share_missing(more->total() / *norm, space->is_driven_by_displacements))
-               : std::nullopt);
+               : std::nullopt;
+    const ErrorEstimate estimate = more ? ErrorEstimate::richer_space : ErrorEstimate::recovered_stress;
+    errors.push_back(share ? std::optional(DiscretisationError{*share, estimate}) : std::nullopt);
   }
   return errors;
 }

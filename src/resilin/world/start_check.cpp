@@ -14,6 +14,8 @@
 namespace resilin {
 namespace {
 
+constexpr double flat_ratio = 1e-12;  ///< a volume ratio that rounding leaves of none
+
 /// The least volume ratio at the points of a cell.
 double least_volume_ratio(const ElasticEnergy& elastic, const std::vector<double>& ratios, Index cell) {
   const auto first = ratios.begin() + Eigen::Index{cell} * elastic.num_points();
@@ -154,6 +156,24 @@ void check_start(const Description& description, const World& world) {
     for (const Domain& domain : world.bodies[b].domains)
       if (!std::isfinite(domain.energy->value(world.start_positions, {})))
         refuse_start(description.bodies[b], domain, world.start_positions);
+}
+
+std::vector<std::string> starts_without_volume(const World& world) {
+  std::vector<std::string> found;
+  for (const Body& body : world.bodies)
+    for (const Domain& domain : body.domains) {
+      if (domain.law_info().kind == LawKind::small_strain) continue;
+      const std::vector<double> ratios = domain.energy->volume_ratios(world.start_positions);
+      const auto flat = std::ranges::find_if(ratios, [](double J) { return std::abs(J) <= flat_ratio; });
+      if (flat == ratios.end()) continue;
+      const auto cell = static_cast<Index>((flat - ratios.begin()) / domain.energy->num_points());
+      found.push_back("\"" + body.name + "\" starts with cells of no volume, cell " +
+                      std::to_string(domain.number_of(cell)) +
+                      " among them: forces and energies are finite, but the Cauchy stress, a force per area, "
+                      "has no value there (inf or nan in the first frame)");
+      break;
+    }
+  return found;
 }
 
 bool is_idle(const World& world) {

@@ -8,6 +8,9 @@ namespace resilin {
 /// under a law that needs J > 0: names the cell. The world's bodies are complete.
 void check_start(const Description& description, const World& world);
 
+/// Bodies that start with cells of no volume, where the Cauchy stress has no value; one line each.
+std::vector<std::string> starts_without_volume(const World& world);
+
 /// Whether nothing ever acts: no force on a free vertex, no velocity at the start, no support or collider
 /// that moves, at any time or load. The world is complete. Asks for forces at the start, and at some more
 /// times where they are zero.
