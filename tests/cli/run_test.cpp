@@ -144,7 +144,7 @@ TEST_F(RunCommand, SaysHowFarOffCoarseCellsMayBeAtRestAndInMotion) {
   }
 }
 
-TEST_F(RunCommand, SaysThatRecoveredStressTellsLittleOfMixedElements) {
+TEST_F(RunCommand, NamesRecoveredStressForViscoelasticBodiesAtRest) {
   std::string scene(box_scene);
   const std::string law = "material = { ";
   const std::size_t found = scene.find(law);
@@ -155,8 +155,6 @@ TEST_F(RunCommand, SaysThatRecoveredStressTellsLittleOfMixedElements) {
                                                            "--set", "body.0.material.law=neo_hookean_simo"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("(box, P2P0, by recovered stress)"));
-  EXPECT_THAT(result.err,
-              HasSubstr("by recovered stress alone, which may tell many times too little of P2P0"));
   EXPECT_EQ(read_json(out() / "report.json")["bodies"][0]["discretisation_error_by"], "recovered stress");
 }
 

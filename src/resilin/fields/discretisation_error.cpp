@@ -365,7 +365,8 @@ std::vector<std::string> coarseness_texts(const World& world, const Discretisati
     const double error = errors[b]->share;
     const Body& body = world.bodies[b];
     const bool is_by_stress = errors[b]->estimate == ErrorEstimate::recovered_stress && error != cannot_tell;
-    if (is_by_stress && !world.is_dynamic && body.domains.element().has_mean_volume) {
+    const bool has_better = !world.is_dynamic && !world.keeps_history();  // where it does not fail
+    if (is_by_stress && has_better && body.domains.element().has_mean_volume) {
       texts.push_back("\"" + body.name + "\" has a discretisation error of " + share_text(error) +
                       " by recovered stress alone, which may tell many times too little of " + body.element +
                       ": compare with finer cells");

@@ -67,7 +67,7 @@ double share_missing(double gain, bool is_driven_by_displacements);
 constexpr double large_discretisation_error = 0.03;
 
 /// One line for each body whose cells are too coarse: how far off it may be, and what to choose. In statics
-/// also one for each body of mixed elements of which recovered stress alone tells.
+/// also one for each body of mixed elements where the richer space has failed.
 std::vector<std::string> coarseness_texts(const World& world, const DiscretisationErrors& errors);
 
 /// "13 %", "0.3 %"; "unknown: one cell across".
