@@ -20,6 +20,10 @@ constexpr std::array rows = {
     Row{"fix",
         "dirichlet boundary boundary_condition boundary_conditions bc bcs constraint support supports fixed "
         "clamp clamped encastre pin pinned displacement prescribed_displacement dirichlet_boundary"},
+    Row{"tie", "ties tied tied_contact glue glued bonded bond mortar"},
+    Row{"constraint",
+        "constraints linear_constraint multipoint_constraint mpc equation equations periodic periodicity "
+        "periodic_boundary coupling rigid_link"},
     Row{"load",
         "neumann force forces moment moments torque traction pressure body_force dead_load follower_load "
         "surface_load cload dload dsload neumann_boundary pressure_boundary"},
@@ -117,8 +121,6 @@ constexpr std::array rows = {
     // features that are not available
     Row{"", "axisymmetric axisymmetry axi cax", "", "no axisymmetry"},
     Row{"", "plane_stress cps", "", "no plane stress"},
-    Row{"", "tie ties tied glue bonded bond", "", "no ties"},
-    Row{"", "periodic periodicity mpc", "", "no periodic boundaries"},
     Row{"", "joint joints hinge connector", "", "joints"},
     Row{"", "plasticity plastic elastoplastic yield_stress von_mises_plasticity", "", "no plasticity"},
     Row{"", "damage fracture crack", "", "fracture"},

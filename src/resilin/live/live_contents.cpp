@@ -13,6 +13,7 @@
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/constraints.hpp"
 #include "resilin/world/contact.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
@@ -33,6 +34,7 @@ Vector3 up_of(const Description& scene) {
 
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
+  refuse_constraints(description, "a live run");
   description.is_dynamic = true;
   description.time_step =
       std::min(longest_step, 0.05 * description.end_time);  // fast rotations need short steps

@@ -73,6 +73,7 @@ double Newton::Search::longest_step(bool boundary_moves) {
     }
     report.linear_iterations += linear.iterations;
     if (linear.status == LinearReport::Status::indefinite || !share.all(correction.allFinite())) break;
+    if (dependents != nullptr) dependents->follow(correction);
     correction += step;
     objective.prepare(x, correction);
     const double longer = objective.max_step(x, correction);
@@ -89,6 +90,7 @@ bool Newton::Search::use_true_tangent() {
     p.setZero(b.size());
     const LinearReport linear = newton.solver_->solve(newton.hessian_, scaled(b), p, 1e-3);
     report.linear_iterations += linear.iterations;
+    if (dependents != nullptr) dependents->follow(p);
     return linear.status != LinearReport::Status::indefinite && share.all(p.allFinite());
   };
   VectorX p;
@@ -269,11 +271,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       if (length < 0.05 && ++blocked_steps > most_blocked_steps)
         return finish(Status::stalled, blocked_motion);
       if (length < short_boundary_step) giving_way = iterations_to_give_way;
-      if (length == 1) {  // land on the targets exactly, whatever the rounding
-        for (Eigen::Index i = 0; i < x.size(); ++i) {
-          if (!is_free(i)) x[i] = targets[i];
-        }
-      }
+      if (length == 1) land_on_targets(x);
       gap = boundary_gap();
       boundary_moves = gap.size() > 0;
       if (!boundary_moves) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "resilin/core/stopwatch.hpp"
+#include "resilin/linear/dependents.hpp"
 #include "resilin/optimize/convergence.hpp"
 #include "resilin/optimize/lag.hpp"
 #include "resilin/optimize/newton.hpp"
@@ -36,6 +37,7 @@ struct Newton::Search {
   const NewtonSettings& settings;
   VectorX& x;
 
+  const Dependents* const dependents{objective.dependents()};
   const Parts& parts{newton.parts_};
   Parts coupled{newton.parts_};  ///< parts in contact are one, and stay one for this search
   const Share share{parts.share()};
@@ -79,9 +81,30 @@ struct Newton::Search {
   /// left.
   VectorX boundary_gap() const {
     VectorX gap = VectorX::Zero(x.size());
-    for (Eigen::Index i = 0; i < x.size(); ++i)
-      if (!is_free(i)) gap[i] = targets[i] - x[i];
+    if (dependents == nullptr) {
+      for (Eigen::Index i = 0; i < x.size(); ++i)
+        if (!is_free(i)) gap[i] = targets[i] - x[i];
+    } else {
+      VectorX placed = x;
+      land_on_targets(placed);
+      gap = placed - x;
+    }
     return share.any((gap.array() != 0).any()) ? gap : VectorX();
+  }
+
+  /// Fixed unknowns come to their targets exactly, whatever the rounding, and dependent ones to where they
+  /// follow; their targets are the constants.
+  void land_on_targets(VectorX& positions) const {
+    for (Eigen::Index i = 0; i < positions.size(); ++i) {
+      if (!is_free(i)) positions[i] = targets[i];
+    }
+    if (dependents != nullptr) dependents->place(targets, positions);
+  }
+
+  /// Puts dependent unknowns to where they follow, so that no rounding errors add up, once the boundary
+  /// stands.
+  void keep_following(VectorX& positions) const {
+    if (dependents != nullptr && boundary_gap().size() == 0) dependents->place(targets, positions);
   }
 
   void measure_residual() {
@@ -133,14 +156,16 @@ struct Newton::Search {
       const Stopwatch watch(report.assembly_seconds);
       newton.hessian_.set_zero();
       objective.hessian_at(internal, x, projection, newton.hessian_);
-      diagonal = free_diagonal(newton.hessian_, is_fixed, share);
       right_side = -gradient;
       if (boundary_moves) {
         VectorX pull;
         multiply(newton.hessian_, gap, pull);
         share.add_copies(pull);
+        if (dependents != nullptr) dependents->add_forces(pull);
         right_side -= pull;
       }
+      if (dependents != nullptr) dependents->reduce(newton.hessian_);
+      diagonal = free_diagonal(newton.hessian_, is_fixed, share);
       set_fixed_to_zero(is_fixed, right_side);
       if (shift > 0) add_to_diagonal(shift);
       eliminate(newton.hessian_, is_fixed);
@@ -159,6 +184,7 @@ struct Newton::Search {
                                    step, last_forcing);
     report.linear_iterations += linear.iterations;
     direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
+    if (dependents != nullptr) dependents->follow(step);
     if (direction.found && boundary_moves) {
       step += gap;
     } else if (direction.found) {
@@ -244,6 +270,7 @@ struct Newton::Search {
       objective.prepare(x, twice);
       if (objective.max_step(x, twice) < 1) return;
       VectorX further = x + twice;
+      keep_following(further);
       const double more = -objective.difference(x, further);
       if (!(more > decrease) || !std::isfinite(more)) return;
       objective.gradient(further, further_gradient);
@@ -273,6 +300,7 @@ struct Newton::Search {
   bool passes_whole(double slope, LineSearch& result) {
     if (internal.size() == 0 || settings.relaxed_steps == 0 || watchdog.is_strict) return false;
     trial = x + result.length * step;
+    keep_following(trial);
     gradient_at_trial_is_known = false;
     const double decrease = -objective.difference(watchdog.steps > 0 ? watchdog.x : x, trial);
     if (!std::isfinite(decrease) || !knows_finite_forces()) return false;
@@ -314,6 +342,7 @@ struct Newton::Search {
     const int max_halvings = internal_is_old ? max_halvings_of_carried_values : settings.max_halvings;
     for (int halving = 0; halving <= max_halvings; ++halving) {
       trial = x + result.length * step;
+      keep_following(trial);
       gradient_at_trial_is_known = false;
       const double decrease = -objective.difference(x, trial);
       const double t = result.length;

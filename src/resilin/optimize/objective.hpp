@@ -6,10 +6,15 @@
 
 namespace resilin {
 
+class Dependents;
+
 /// A function E(x) in joules to be minimised, as Newton sees it: it knows nothing of finite elements.
 class Objective {
  public:
   virtual ~Objective() = default;
+  /// Unknowns that follow from others; null: none. They are fixed for the search. Forces are reduced by
+  /// `gradient`, the Hessian by who solves with it.
+  virtual const Dependents* dependents() const { return nullptr; }
   /// Updates quantities that the objective keeps of a known shape, such as the normal forces of friction, to
   /// x: by that it becomes another function. @return whether that may have changed the gradient
   virtual bool form_lag(const VectorX& /*x*/) { return false; }

@@ -1,3 +1,4 @@
+#include "resilin/linear/dependents.hpp"
 #include "resilin/optimize/near_solve.hpp"
 #include "resilin/optimize/newton.hpp"
 #include "resilin/optimize/residual.hpp"
@@ -27,6 +28,7 @@ void Newton::form_matrix(const Objective& objective, std::span<const std::uint8_
                          Factors factors) {
   hessian_.set_zero();
   objective.hessian(x, Projection::clamp, hessian_);
+  if (objective.dependents() != nullptr) objective.dependents()->reduce(hessian_);
   eliminate(hessian_, is_fixed);
   if (factors == Factors::anew || !last_measure_) {
     solver_->begin_search();

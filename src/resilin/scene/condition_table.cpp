@@ -7,17 +7,6 @@
 namespace resilin {
 namespace {
 
-void read_components(const SceneNode& node, std::array<bool, 3>& components) {
-  const std::string letters = std::string("xyz").substr(0, static_cast<std::size_t>(node.context->dimension));
-  components = {false, false, false};
-  for (const char letter : read_text(node)) {
-    const std::size_t i = letters.find(letter);
-    if (i == std::string::npos || components[i]) node.fail("letters of \"" + letters + "\", each once");
-    components[i] = true;
-  }
-  if (std::ranges::count(components, true) == 0) node.fail("at least one letter of \"" + letters + "\"");
-}
-
 void expect_order(const SceneNode& table, double from, const std::optional<double>& until) {
   if (until && *until < from) table.child("until").fail("a time at or after `from`");
 }
@@ -60,6 +49,17 @@ void expect_keys_of_kind(const SceneNode& table, const LoadKind& kind) {
 }
 
 }  // namespace
+
+void read_components(const SceneNode& node, std::array<bool, 3>& components) {
+  const std::string letters = std::string("xyz").substr(0, static_cast<std::size_t>(node.context->dimension));
+  components = {false, false, false};
+  for (const char letter : read_text(node)) {
+    const std::size_t i = letters.find(letter);
+    if (i == std::string::npos || components[i]) node.fail("letters of \"" + letters + "\", each once");
+    components[i] = true;
+  }
+  if (std::ranges::count(components, true) == 0) node.fail("at least one letter of \"" + letters + "\"");
+}
 
 Keys<FixDescription> fix_keys() {
   using F = FixDescription;

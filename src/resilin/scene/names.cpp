@@ -27,7 +27,8 @@ void check_unique_names(const std::vector<T>&... lists) {
 
 void check_names(const Description& description) {
   check_unique_names(description.bodies);
-  check_unique_names(description.fixes, description.colliders);  // the report lists both as reactions
+  // The report lists them all as reactions.
+  check_unique_names(description.fixes, description.ties, description.constraints, description.colliders);
   check_unique_names(description.loads);
   check_unique_names(description.probes);
   check_unique_names(description.sections);

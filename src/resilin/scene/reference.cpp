@@ -66,6 +66,14 @@ std::vector<TableDoc> scene_tables() {
                "Neumann boundary condition or body force. Loads are dead loads in the reference "
                "configuration, except pressure, which is a follower load.",
                load_keys()),
+      document("[[tie]]",
+               "Surfaces of two bodies that stay together though their meshes do not match "
+               "([ties](boundary_conditions.md#ties)).",
+               tie_keys()),
+      document("[[constraint]]",
+               "Linear constraint between displacements, which is eliminated; its force is reported "
+               "([constraints](boundary_conditions.md#linear-constraints)).",
+               constraint_keys()),
       where_doc(),
       time_function_doc(),
       document(

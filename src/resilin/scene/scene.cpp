@@ -40,8 +40,8 @@ void refuse_fit(const SceneNode& root) {
 
 void read_root(const SceneNode& root, Description& d) {
   refuse_fit(root);
-  refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "load", "collider", "contact", "newton",
-                             "solver", "probe", "section", "output"});
+  refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "tie", "constraint", "load", "collider",
+                             "contact", "newton", "solver", "probe", "section", "output"});
   if (root.has("title")) d.title = read_text(root.child("title"));
   read_optional(root, "simulation", simulation_keys(), d);
   if (root.has("contact")) read_contact(root.child("contact"), d.contact);
@@ -50,6 +50,8 @@ void read_root(const SceneNode& root, Description& d) {
   read_optional(root, "output", output_keys(), d.output);
   read_list(root, "body", d.bodies, read_body);
   read_list(root, "fix", d.fixes, read_fix);
+  read_list(root, "tie", d.ties, read_tie);
+  read_list(root, "constraint", d.constraints, read_constraint);
   read_list(root, "load", d.loads, read_load);
   read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -70,8 +71,16 @@ TableDoc skin_doc();
 // condition_table.cpp
 Keys<FixDescription> fix_keys();
 Keys<LoadDescription> load_keys();
+/// Letters of "xyz", each once, at least one.
+void read_components(const SceneNode& node, std::array<bool, 3>& components);
 void read_fix(const SceneNode& node, FixDescription& fix);
 void read_load(const SceneNode& node, LoadDescription& load);
+
+// tie_table.cpp
+Keys<TieDescription> tie_keys();
+void read_tie(const SceneNode& node, TieDescription& tie);
+Keys<ConstraintDescription> constraint_keys();
+void read_constraint(const SceneNode& node, ConstraintDescription& constraint);
 
 // time_table.cpp
 void read_time_function(const SceneNode& node, TimeFunction& function);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "resilin/core/error.hpp"
+#include "resilin/world/constraints.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -20,6 +21,7 @@ void check_is_differentiable(const Description& description) {
   if (!description.is_dynamic && description.load_control == LoadControlKind::arc_length)
     refuse("equilibria at given loads", "simulation.load_control = \"arc_length\"",
            "take load_control = \"load\"");
+  refuse_constraints(description, "derivatives");
   if (const std::string material = place_of_viscoelasticity(description); !material.empty())
     throw InputError(material, "elastic materials where derivatives are asked for", "a viscoelastic one",
                      "leave viscoelastic out");

@@ -13,6 +13,7 @@
 #include "resilin/sensitivity/pressing_colliders.hpp"
 #include "resilin/sensitivity/rest_balance.hpp"
 #include "resilin/simulation/simulation.hpp"
+#include "resilin/world/constraints.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -77,6 +78,7 @@ class Search {
     if (description_.modes)
       throw InputError(description_.place + ": simulation.modes", "none for a stress-free shape",
                        "modal analysis");
+    refuse_constraints(description_, "a stress-free shape");
     if (const std::string material = place_of_viscoelasticity(description_); !material.empty())
       throw InputError(material, "an elastic material for a stress-free shape", "a viscoelastic one",
                        "leave viscoelastic out");

@@ -11,6 +11,7 @@
 #include "resilin/optimize/residual.hpp"
 #include "resilin/simulation/step.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -116,6 +117,19 @@ double rounding_of(const World& world, const Body& body, const VectorX& rounding
 
 }  // namespace
 
+namespace {
+
+/// dE/dx of all that acts on bodies but for supports: loads, inertia, contact, what ties and constraints pass
+/// on.
+std::vector<VectorX> acting_on_bodies(const World& world, const Potential& potential, const VectorX& x,
+                                      const VectorX& gradient) {
+  std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+  if (world.constraints) acting.push_back(world.constraints->forces(gradient));
+  return acting;
+}
+
+}  // namespace
+
 std::vector<ForceBalance> measure_balance(const World& world, const VectorX& gradient,
                                           std::span<const VectorX> acting) {
   std::vector<ForceBalance> balances;
@@ -169,7 +183,7 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
     for (Eigen::Index i = first; i < first + count; ++i) {
       if (!world.share.owns(static_cast<Index>(i / world.dimension))) continue;
       balance.rounding += digits * magnitude[i] * std::abs(displacement[i]);
-      if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;
+      if (world.support_of[static_cast<std::size_t>(i)] < 0) continue;
       balance.work += gradient[i] * displacement[i];
       held += std::abs(gradient[i] * displacement[i]);
     }
@@ -198,7 +212,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const auto is_missing = [](double gap, double scale, double rounding) {
     return !(gap <= std::max(largest_balance_error * scale, rounding));
   };
-  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+  const std::vector<VectorX> acting = acting_on_bodies(world, potential, x, gradient);
   const std::vector<ForceBalance> forces = measure_balance(world, gradient, acting);
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const ForceBalance& balance = forces[b];
@@ -237,6 +251,7 @@ VectorX rounding_of_forces(const World& world, const Potential& potential, const
                            const VectorX& x, const VectorX& gradient) {
   BlockMatrix hessian(world.dimension, world.pattern);
   potential.hessian(x, Projection::none, hessian);
+  if (world.constraints) world.constraints->dependents.reduce(hessian);
   Convergence balance(potential, world.is_fixed, parts, /*tolerance=*/0);
   balance.measure(x, gradient);
   balance.verdict(free_diagonal(hessian, world.is_fixed, world.share), /*look_closer=*/true);
@@ -257,7 +272,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   std::optional<VectorX> rounding;  // asked for where something is missing: it costs a matrix
   std::vector<std::string> texts;
   const std::vector<ForceBalance> forces =
-      measure_balance(world, gradient, potential.gradients_without(EnergyCategory::elastic, x));
+      measure_balance(world, gradient, acting_on_bodies(world, potential, x, gradient));
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const Body& body = world.bodies[b];
     double load = 0;  // reactions may be rounding themselves

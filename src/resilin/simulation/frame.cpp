@@ -9,6 +9,7 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -154,6 +155,13 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   for (std::size_t k = 0; k < frame.reactions.size() && !world.share.is_whole(); ++k) {
     frame.reactions[k].second = world.share.sum(frame.reactions[k].second);
     frame.reaction_torques[k] = world.share.sum(frame.reaction_torques[k]);
+  }
+  if (world.constraints) {
+    const std::vector<Reaction> held = world.constraints->reactions(dim, *step_gradient, state.positions);
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      frame.reactions.emplace_back(world.constraints->names[i], held[i].force);
+      frame.reaction_torques.push_back(held[i].torque);
+    }
   }
   for (const auto& term : world.terms) {
     const std::optional<Reaction> reaction = term->reaction(state.positions, conditions);

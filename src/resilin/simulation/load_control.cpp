@@ -10,6 +10,7 @@
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -88,6 +89,7 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
         world, state, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
     VectorX targets = from.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+    set_constants(world, conditions, targets);
     Equilibrium found{.load = at, .positions = from.positions};
     const StageReport report =
         solve_stage(potential, world.is_fixed, targets, {}, newton_settings(world),
@@ -159,6 +161,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
         Potential::in_stage(world, state, conditions, static_stage(state.positions, load_time));
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+    set_constants(world, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
     NewtonSettings settings = newton_settings(world);
     if (is_tight) settings.tolerance = std::min(settings.tolerance, tight_tolerance);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "resilin/energy/history_term.hpp"
+#include "resilin/linear/dependents.hpp"
 #include "resilin/simulation/end_of_stage.hpp"
 
 namespace resilin {
@@ -45,9 +46,10 @@ Potential Potential::at(const World& world, const Conditions& conditions, const 
 
 Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
                      std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage,
-                     Share share, VectorX history)
+                     Share share, VectorX history, const Dependents* dependents)
     : share_(std::move(share)),
       is_fixed_(is_fixed),
+      dependents_(dependents),
       conditions_(conditions),
       base_positions_(stage.is_static() ? VectorX() : stage.base_positions),
       history_(std::move(history)) {
@@ -121,12 +123,14 @@ void Potential::gradient(const VectorX& x, VectorX& gradient) const {
   gradient.setZero(x.size());
   for (const Energy* term : terms_) term->add_gradient(x, conditions_, gradient);
   share_.add_copies(gradient);
+  if (dependents_ != nullptr) dependents_->add_forces(gradient);
 }
 
 void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
   magnitude.setZero(x.size());
   for (const Energy* term : terms_) term->add_gradient_magnitude(x, conditions_, magnitude);
   share_.add_copies(magnitude);
+  if (dependents_ != nullptr) dependents_->add_magnitudes(magnitude);
 }
 
 void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const {
@@ -211,6 +215,7 @@ bool Potential::add_second_order_forces(const VectorX& x, const VectorX& p, Vect
   for (const Energy* term : terms_) are_any |= term->add_second_order_forces(x, p, conditions_, forces);
   are_any = share_.any(are_any);
   if (are_any) share_.add_copies(forces);
+  if (are_any && dependents_ != nullptr) dependents_->add_forces(forces);
   return are_any;
 }
 

@@ -18,8 +18,10 @@ class Potential final : public Objective {
   /// @param terms, is_fixed  kept by reference
   /// @param share            what this process has of the scene; sums are those over all processes
   /// @param history          State::history at the start of the step; empty: the reference configuration's
+  /// @param dependents       unknowns that follow from others, fixed ones among `is_fixed`; null: none
   Potential(std::span<const std::shared_ptr<const Energy>> terms, std::span<const std::uint8_t> is_fixed,
-            const Conditions& conditions, const Stage& stage, Share share = {}, VectorX history = {});
+            const Conditions& conditions, const Stage& stage, Share share = {}, VectorX history = {},
+            const Dependents* dependents = nullptr);
 
   /// The potential of a world in a state as it is, internal variables frozen.
   static Potential at(const World& world, const State& state);
@@ -32,7 +34,7 @@ class Potential final : public Objective {
   }
   static Potential in_stage(const World& world, const VectorX& history, const Conditions& conditions,
                             const Stage& stage) {
-    return {world.terms, world.is_fixed, conditions, stage, world.share, history};
+    return {world.terms, world.is_fixed, conditions, stage, world.share, history, world.dependents()};
   }
 
   const Conditions& conditions() const { return conditions_; }
@@ -49,6 +51,8 @@ class Potential final : public Objective {
   void prepare(const VectorX& x, const VectorX& p) override;
   double difference(const VectorX& from, const VectorX& to) const override;
   double magnitude(const VectorX& x) const override;
+  const Dependents* dependents() const override { return dependents_; }
+  /// With the forces at dependent unknowns added to those that they follow.
   void gradient(const VectorX& x, VectorX& gradient) const override;
   void gradient_magnitude(const VectorX& x, VectorX& magnitude) const override;
   void hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const override;
@@ -95,6 +99,7 @@ class Potential final : public Objective {
  private:
   Share share_;
   std::span<const std::uint8_t> is_fixed_;
+  const Dependents* dependents_;
   Conditions conditions_;
   VectorX base_positions_;                    ///< base positions of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resilin/linear/dependents.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
@@ -65,6 +66,7 @@ bool choose_lower_start(Objective& objective, std::span<const std::uint8_t> is_f
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     if (is_fixed[static_cast<std::size_t>(k)] != 0) candidate[k] = held[k];
   }
+  if (objective.dependents() != nullptr) objective.dependents()->place(held, candidate);
   const VectorX way = candidate - x;
   objective.prepare(x, way);
   const double difference = objective.difference(x, candidate);

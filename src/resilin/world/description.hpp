@@ -253,6 +253,47 @@ struct ContactDescription {
   std::vector<ContactPairDescription> pairs;
 };
 
+/// A surface that follows that of another body, as if glued to it; their meshes need not match.
+struct TieDescription {
+  std::string place = "tie";
+  std::string name;  ///< name of the force in the report
+  std::string body;  ///< of the surface that follows ...
+  Where where;
+  std::string to;  ///< ... the surface of this one
+  Where to_where;
+  bool closes_gap = false;             ///< the surfaces are brought together; else the gap at rest stays
+  std::optional<double> max_distance;  ///< [m]; default half the size of the facets that follow
+};
+
+/// Forms of a linear constraint.
+enum class ConstraintKind { equal, equation, periodic };
+constexpr std::array<std::string_view, 3> spellings(ConstraintKind) {
+  return {"equal", "equation", "periodic"};
+}
+
+/// The mean displacement of some vertices along an axis, times a coefficient.
+struct ConstraintTerm {
+  std::string place = "constraint.terms";
+  std::string body;
+  Where where;
+  int axis = 0;
+  double coefficient = 1;
+};
+
+/// A linear constraint between displacements, which is eliminated.
+struct ConstraintDescription {
+  std::string place = "constraint";
+  std::string name;  ///< name of the force in the report
+  ConstraintKind kind = ConstraintKind::equal;
+  std::string body;
+  Where where;                                          ///< equal
+  std::array<bool, 3> components = {true, true, true};  ///< equal; the axes of pairs of faces where periodic
+  std::vector<ConstraintTerm> terms;                    ///< equation: their sum is `value`
+  double value = 0;                                     ///< at load factor 1 [m]
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();   ///< periodic: mean displacement gradient
+  TimeFunction time_function;  ///< on value and gradient, in place of the load factor
+};
+
 /// A point whose displacement is reported.
 struct ProbeDescription {
   std::string place = "probe";
@@ -326,6 +367,8 @@ struct Description {
   OnJump on_jump = OnJump::follow;                          ///< static
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
+  std::vector<TieDescription> ties;
+  std::vector<ConstraintDescription> constraints;
   std::vector<LoadDescription> loads;
   std::vector<ColliderDescription> colliders;
   ContactDescription contact;

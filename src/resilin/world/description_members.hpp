@@ -37,6 +37,10 @@ RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, 
 RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled, friction)
 RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness,
                 friction, friction_speed, friction_iterations, pairs)
+RESILIN_MEMBERS(TieDescription, place, name, body, where, to, to_where, closes_gap, max_distance)
+RESILIN_MEMBERS(ConstraintTerm, place, body, where, axis, coefficient)
+RESILIN_MEMBERS(ConstraintDescription, place, name, kind, body, where, components, terms, value, gradient,
+                time_function)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
 RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)
@@ -46,6 +50,6 @@ RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
 RESILIN_MEMBERS(ModesOptions, count, is_loaded)
 RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator,
                 adaptive, modes, load_steps, load_control, max_steps, unstable_modes, on_jump, bodies, fixes,
-                loads, colliders, contact, probes, sections, newton, solver, output)
+                ties, constraints, loads, colliders, contact, probes, sections, newton, solver, output)
 
 }  // namespace resilin

@@ -16,8 +16,13 @@ bool follows_time(const Description& description) {
   const auto varies = [](const auto& entry) {
     return !entry.velocity.isZero(0) || !entry.time_function.is_constant();
   };
+  const auto follows = [](const ConstraintDescription& constraint) {
+    return !constraint.time_function.is_constant();
+  };
   const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
-  return std::ranges::any_of(description.fixes, varies) || std::ranges::any_of(description.loads, varies) ||
+  return std::ranges::any_of(description.fixes, varies) ||
+         std::ranges::any_of(description.constraints, follows) ||
+         std::ranges::any_of(description.loads, varies) ||
          std::ranges::any_of(description.loads, is_windowed) ||
          std::ranges::any_of(description.colliders, moves) ||
          std::ranges::any_of(description.bodies, is_viscoelastic);
@@ -31,6 +36,10 @@ std::vector<double> event_times(const Description& description) {
     if (entry.until) times.push_back(*entry.until);
   };
   for (const FixDescription& fix : description.fixes) add(fix);
+  for (const ConstraintDescription& constraint : description.constraints) {
+    const std::vector<double> kinks = constraint.time_function.kinks();
+    times.insert(times.end(), kinks.begin(), kinks.end());
+  }
   for (const ColliderDescription& collider : description.colliders) add(collider);
   for (const LoadDescription& load : description.loads) {
     add(load);

@@ -223,7 +223,8 @@ std::string key_of(std::string_view member) {
 
 std::string table_of(std::string_view list) {
   constexpr std::pair<std::string_view, const char*> tables[] = {
-      {"bodies", "body"}, {"fixes", "fix"}, {"loads", "load"}, {"colliders", "collider"}};
+      {"bodies", "body"}, {"fixes", "fix"},         {"ties", "tie"}, {"constraints", "constraint"},
+      {"loads", "load"},  {"colliders", "collider"}};
   for (const auto& [name, table] : tables)
     if (list == name) return table;
   return std::string(list);
@@ -258,7 +259,9 @@ class Entries {
   template <class T>
   void add_part(const std::string& member, const std::vector<T>& list) {
     const std::string table = table_of(member);
-    std::vector<std::string> names;  // so that one that is new or gone is named as such
+    const bool is_rare = member == "ties" || member == "constraints";
+    if (is_rare && list.empty()) return;  // as before there were any
+    std::vector<std::string> names;       // so that one that is new or gone is named as such
     for (const T& entry : list) names.push_back(text(entry.name));
     entries_.emplace_back(table, names.empty() ? "none" : join(names));
     for (const T& entry : list) add(table + "." + entry.name, entry);
@@ -296,6 +299,9 @@ class Entries {
   }
   void add(const std::string& key, const std::vector<ContactPairDescription>& pairs) {
     for (const ContactPairDescription& pair : pairs) add(key, pair);
+  }
+  void add(const std::string& key, const std::vector<ConstraintTerm>& terms) {
+    for (std::size_t i = 0; i < terms.size(); ++i) add(key + "." + std::to_string(i), terms[i]);
   }
   void add(const std::string& key, const std::vector<RegionDescription>& regions) {
     if (regions.empty()) return;

@@ -16,6 +16,7 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
@@ -278,6 +279,23 @@ std::vector<LooseBody> loose_bodies(const World& world, const std::vector<std::u
   }
 }
 
+/// Relations between components of one direction hold what follows beside what it follows.
+void add_constraint_directions(const World& world, std::vector<HeldDirection>& held) {
+  if (!world.constraints) return;
+  const int dim = world.dimension;
+  for (const LinearConstraints::Stated& stated : world.constraints->stated) {
+    const Index component = stated.relation.unknown % dim;
+    HeldDirection direction{.nodes = {{stated.relation.unknown / dim, 1}},
+                            .direction = Vector3::Unit(component)};
+    bool is_along_one_axis = true;
+    for (const Dependents::Weight& weight : stated.relation.by) {
+      is_along_one_axis = is_along_one_axis && weight.unknown % dim == component;
+      direction.nodes.push_back({weight.unknown / dim, -weight.value});
+    }
+    if (is_along_one_axis) held.push_back(std::move(direction));
+  }
+}
+
 }  // namespace
 
 void check_is_held(const World& world) {
@@ -286,6 +304,7 @@ void check_is_held(const World& world) {
   for (std::size_t i = 0; i < is_held.size(); ++i) is_held[i] = world.support_of[i] >= 0 ? 1 : 0;
   std::vector<HeldDirection> held_directions;
   for (const auto& term : world.terms) term->add_held_directions(world.start_positions, held_directions);
+  add_constraint_directions(world, held_directions);
   for (const LooseBody& loose : loose_bodies(world, is_held, held_directions)) {
     const Body& body = *loose.body;
     for (std::size_t p = 0; p < loose.parts.size(); ++p) {

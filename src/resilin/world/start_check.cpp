@@ -9,6 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/meeting_surface.hpp"
 
 namespace resilin {
@@ -67,6 +68,11 @@ bool acts(const World& world, const Conditions& conditions) {
   VectorX placed = x;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, placed);
   if (placed != x) return true;
+  if (world.constraints) {  // their constants may change
+    set_constants(world, conditions, placed);
+    world.constraints->dependents.place(VectorX(placed), placed);
+    if ((placed - x).cwiseAbs().maxCoeff() > 1e-12 * x.cwiseAbs().maxCoeff()) return true;
+  }
   VectorX gradient = VectorX::Zero(x.size()), magnitude = gradient;
   for (const auto& term : world.terms) {
     term->add_gradient(x, conditions, gradient);

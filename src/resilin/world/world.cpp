@@ -15,6 +15,7 @@
 #include "resilin/world/body_overlap.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/constraints.hpp"
 #include "resilin/world/contact.hpp"
 #include "resilin/world/damping.hpp"
 #include "resilin/world/description_check.hpp"
@@ -112,6 +113,7 @@ class Builder {
   void add_probe(std::size_t number);
   void add_section(const SectionDescription& section);
   void note_origin(const TermOrigin& origin);
+  void add_constraints();
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
@@ -142,6 +144,7 @@ void Builder::build() {
   for (std::size_t i = 0; i < description_.loads.size(); ++i) add_load(i);
   for (std::size_t i = 0; i < description_.probes.size(); ++i) add_probe(i);
   for (const SectionDescription& section : description_.sections) add_section(section);
+  add_constraints();
   build_pattern();
   add_masses();
   using Kind = TermOrigin::Kind;
@@ -159,10 +162,11 @@ void Builder::build() {
     add_collider(description_.colliders[i], world_, part_ == nullptr ? nullptr : &part_->colliders[i]);
     note_origin({Kind::collider, i});
   }
-  world_.contact = make_contact(description_.contact, world_);
+  const ContactDescription contact = contact_beside_ties(description_);
+  world_.contact = make_contact(contact, world_);
   if (world_.contact) world_.terms.push_back(world_.contact);
   note_origin({Kind::contact});
-  world_.friction = make_friction(description_.contact, world_);
+  world_.friction = make_friction(contact, world_);
   if (world_.friction) world_.terms.push_back(world_.friction);
   note_origin({Kind::friction});
   if (world_.is_dynamic) {
@@ -300,11 +304,22 @@ void Builder::add_section(const SectionDescription& section) {
 /// Whatever the last lines have added to the terms is made of this.
 void Builder::note_origin(const TermOrigin& origin) { world_.origins.resize(world_.terms.size(), origin); }
 
+void Builder::add_constraints() {
+  if (part_ != nullptr) return;  // which have none
+  if (world_.is_dynamic) refuse_constraints(description_, "dynamics");
+  if (world_.modes) refuse_constraints(description_, "modal analysis");
+  if (world_.follows_path) refuse_constraints(description_, "arc length");
+  world_.constraints = make_constraints(description_, world_, meshes_);
+}
+
 /// One pattern for all energies; each looks up its slots in it.
 void Builder::build_pattern() {
   BlockPatternBuilder builder(world_.num_nodes());
   for (const auto& energy : coupling_) energy->add_pattern(builder);
-  world_.pattern = std::make_shared<const BlockPattern>(builder.build());
+  BlockPattern pattern = builder.build();
+  if (const Dependents* dependents = world_.dependents())
+    pattern = dependents->extended(pattern, std::move(builder));
+  world_.pattern = std::make_shared<const BlockPattern>(std::move(pattern));
   for (const auto& energy : coupling_) energy->bind(*world_.pattern);
 }
 
@@ -338,6 +353,9 @@ void Builder::find_fixed_unknowns() {
     for (const Index node : body.cells) is_used[static_cast<std::size_t>(node)] = true;
   for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
     if (!is_used[i / static_cast<std::size_t>(dim)]) world_.is_fixed[i] = 1;
+  if (const Dependents* dependents = world_.dependents())
+    for (const Dependents::Relation& relation : dependents->relations())
+      world_.is_fixed[static_cast<std::size_t>(relation.unknown)] = 1;
 }
 
 }  // namespace
@@ -450,6 +468,8 @@ VectorX World::history_of_domain(std::size_t body, std::size_t domain, const Vec
   if (of == nullptr) return {};
   return history.segment(first, of->num_history_values());
 }
+
+const Dependents* World::dependents() const { return constraints ? &constraints->dependents : nullptr; }
 
 Index World::num_free_unknowns() const {
   return static_cast<Index>(std::count(is_fixed.begin(), is_fixed.end(), std::uint8_t{0}));

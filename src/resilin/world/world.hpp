@@ -24,6 +24,9 @@
 
 namespace resilin {
 
+class Dependents;
+struct LinearConstraints;
+
 /// One body in the world's numbering of nodes.
 struct Body {
   std::string name;
@@ -146,6 +149,10 @@ class World {
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per DOF: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per DOF: index of its boundary condition; -1: none
+  /// Ties and linear constraints, whose dependent DOFs are among the fixed ones; null without any.
+  std::shared_ptr<const LinearConstraints> constraints;
+  /// The unknowns that follow from others by these; null: none.
+  const Dependents* dependents() const;
 
   /// Conditions of a static run at a load factor: time is the path parameter.
   Conditions at_load(double load) const { return {.time = load * path_time, .load = load}; }

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "resilin/world/body_mesh.hpp"
+#include "resilin/world/linear_constraints.hpp"
+
+namespace resilin {
+
+/// The ties and linear constraints of a description, in a world whose bodies and supports are complete.
+/// @param meshes  of the bodies, for their groups
+/// @return null without any
+std::shared_ptr<const LinearConstraints> make_constraints(const Description& description, const World& world,
+                                                          std::span<const BodyMesh> meshes);
+
+/// The contact that the scene asks for, but for bodies that are tied to each other.
+ContactDescription contact_beside_ties(const Description& description);
+
+/// Throws InputError, naming the first tie or constraint, where a scene has any: `what` is not possible then.
+void refuse_constraints(const Description& description, const std::string& what);
+
+}  // namespace resilin

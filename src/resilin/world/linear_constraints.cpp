@@ -1,0 +1,214 @@
+#include "resilin/world/linear_constraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "resilin/core/error.hpp"
+#include "resilin/mesh/facet.hpp"
+
+namespace resilin {
+namespace {
+
+using Weight = Dependents::Weight;
+using Constant = LinearConstraints::Constant;
+
+constexpr double negligible_coefficient = 1e-12;  ///< of the largest coefficient of an equation
+
+}  // namespace
+
+std::vector<Reaction> LinearConstraints::reactions(int dim, const VectorX& gradient,
+                                                   const VectorX& positions) const {
+  std::vector<Reaction> found(names.size());
+  VectorX forces = gradient;  // what follows something that follows passes its force on
+  std::vector<bool> is_face(names.size(), false);
+  for (const auto& [owner, unknown, share] : on_faces) {
+    is_face[owner] = true;
+    found[owner].force[unknown % dim] += share * gradient[unknown];
+  }
+  for (const auto& [owner, relation] : stated) {
+    const Index i = relation.unknown;
+    Vector3 force = Vector3::Zero();
+    force[i % dim] = forces[i];
+    if (!is_face[owner]) found[owner].force += force;
+    if (!is_face[owner]) found[owner].torque += node_position(dim, i / dim, positions).cross(force);
+    for (const Weight& weight : relation.by)
+      if (dependents.is_dependent(weight.unknown)) forces[weight.unknown] += weight.value * forces[i];
+  }
+  return found;
+}
+
+VectorX LinearConstraints::forces(const VectorX& gradient) const {
+  VectorX forces = VectorX::Zero(gradient.size());
+  for (const Dependents::Relation& relation : dependents.relations()) {
+    forces[relation.unknown] -= gradient[relation.unknown];
+    for (const Weight& weight : relation.by)
+      forces[weight.unknown] += weight.value * gradient[relation.unknown];
+  }
+  return forces;
+}
+
+void set_constants(const World& world, const Conditions& conditions, VectorX& targets) {
+  if (!world.constraints) return;
+  const LinearConstraints& all = *world.constraints;
+  std::vector<double> factors;
+  for (const TimeFunction& function : all.functions)
+    factors.push_back(function.factor(conditions.time, conditions.load));
+  for (std::size_t row = 0; row < all.constants.size(); ++row) {
+    double sum = 0;
+    for (const Constant& constant : all.constants[row])
+      sum += constant.function < 0 ? constant.value
+                                   : constant.value * factors[static_cast<std::size_t>(constant.function)];
+    targets[all.dependents.relations()[row].unknown] = sum;
+  }
+}
+
+RelationSystem::RelationSystem(int dim, const VectorX& rest_positions,
+                               const std::vector<std::int32_t>& support_of)
+    : dim_(dim), rest_positions_(rest_positions), support_of_(support_of), entry_of_(support_of.size(), -1) {}
+
+std::size_t RelationSystem::add_name(std::string name) {
+  names_.push_back(std::move(name));
+  return names_.size() - 1;
+}
+
+void RelationSystem::add_face(std::size_t owner, int axis, double length, std::size_t first_of_cell) {
+  faces_.push_back({owner, axis, length, first_of_cell});
+}
+
+int RelationSystem::add_function(const TimeFunction& function) {
+  functions_.push_back(function);
+  return static_cast<int>(functions_.size()) - 1;
+}
+
+bool RelationSystem::is_taken(Index unknown) const {
+  const auto i = static_cast<std::size_t>(unknown);
+  return support_of_[i] >= 0 || entry_of_[i] >= 0;
+}
+
+void RelationSystem::substitute(std::vector<Weight>& by, std::vector<Constant>& constants) const {
+  std::map<Index, double> weights;
+  std::map<int, double> sums;
+  for (const Constant& constant : constants) sums[constant.function] += constant.value;
+  const auto add = [&](const auto& self, Index unknown, double weight) -> void {
+    const Index number = entry_of_[static_cast<std::size_t>(unknown)];
+    if (number < 0) {
+      weights[unknown] += weight;
+      return;
+    }
+    const Entry& entry = entries_[static_cast<std::size_t>(number)];
+    for (const Constant& constant : entry.constants) sums[constant.function] += weight * constant.value;
+    for (const Weight& each : entry.relation.by) self(self, each.unknown, weight * each.value);
+  };
+  for (const Weight& weight : by) add(add, weight.unknown, weight.value);
+  by.clear();
+  for (const auto& [unknown, weight] : weights)
+    if (weight != 0) by.push_back({unknown, weight});
+  constants.clear();
+  for (const auto& [function, value] : sums)
+    if (value != 0) constants.push_back({function, value});
+}
+
+void RelationSystem::follow(std::size_t owner, Index unknown, std::vector<Weight> by,
+                            std::vector<Constant> constants, const std::string& place) {
+  std::vector<Weight> all = by;
+  std::vector<Constant> all_constants = constants;
+  substitute(all, all_constants);
+  if (std::ranges::find(all, unknown, &Weight::unknown) != all.end())
+    throw InputError(place, "surfaces of which one follows the other", "a circle: what is followed follows",
+                     "leave one of the two ties or constraints out");
+  entry_of_[static_cast<std::size_t>(unknown)] = static_cast<Index>(entries_.size());
+  entries_.push_back({owner, {unknown, std::move(by)}, std::move(constants)});
+}
+
+void RelationSystem::add_equation(std::size_t owner, std::vector<Weight> terms,
+                                  std::vector<Constant> constants, const std::string& place) {
+  double largest = 0;
+  for (const Weight& term : terms) largest = std::max(largest, std::abs(term.value));
+  for (Constant& constant : constants) constant.value = -constant.value;
+  substitute(terms, constants);
+  const Weight* pivot = nullptr;
+  for (const Weight& term : terms)
+    if (support_of_[static_cast<std::size_t>(term.unknown)] < 0 &&
+        std::abs(term.value) > negligible_coefficient * largest &&
+        (pivot == nullptr || std::abs(term.value) > std::abs(pivot->value)))
+      pivot = &term;
+  if (pivot == nullptr) {
+    std::erase_if(
+        terms, [&](const Weight& term) { return std::abs(term.value) <= negligible_coefficient * largest; });
+    const double round_off = 1e-10 * rest_positions_.cwiseAbs().maxCoeff();
+    std::erase_if(constants,
+                  [&](const Constant& constant) { return std::abs(constant.value) <= round_off * largest; });
+    if (terms.empty() && constants.empty()) return;  // says again what others have said
+    throw InputError(place, "a constraint with a displacement that nothing else prescribes",
+                     "one between displacements that boundary conditions and other constraints determine",
+                     "leave it out, or remove vertices from `where`");
+  }
+  const Weight chosen = *pivot;
+  std::vector<Weight> by;
+  for (const Weight& term : terms)
+    if (term.unknown != chosen.unknown) by.push_back({term.unknown, -term.value / chosen.value});
+  for (Constant& constant : constants) constant.value /= -chosen.value;
+  follow(owner, chosen.unknown, std::move(by), std::move(constants), place);
+}
+
+std::shared_ptr<const LinearConstraints> RelationSystem::build() const {
+  if (entries_.empty()) return nullptr;
+  // Relations that were added after the ones that they appear in are put in place there.
+  std::vector<Dependents::Relation> relations;
+  std::vector<std::vector<Constant>> constants;
+  for (const Entry& entry : entries_) {
+    Dependents::Relation relation = entry.relation;
+    std::vector<Constant> own = entry.constants;
+    substitute(relation.by, own);
+    double at_rest = rest_positions_[relation.unknown];
+    for (const Weight& weight : relation.by) at_rest -= weight.value * rest_positions_[weight.unknown];
+    own.push_back({-1, at_rest});
+    relations.push_back(std::move(relation));
+    constants.push_back(std::move(own));
+  }
+  // Work of the mean displacement gradient: a vertex on an edge follows along two axes at once.
+  std::vector<LinearConstraints::OnFace> on_faces;
+  for (const Face& face : faces_) {
+    std::size_t end_of_cell = face.first_of_cell;
+    for (const Face& other : faces_)
+      if (other.first_of_cell == face.first_of_cell) end_of_cell = std::max(end_of_cell, other.owner + 1);
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (entries_[i].owner < face.first_of_cell || entries_[i].owner >= end_of_cell) continue;
+      const auto at = [&](Index unknown) {
+        return rest_positions_[Eigen::Index{unknown / dim_} * dim_ + face.axis];
+      };
+      double distance = at(relations[i].unknown);
+      for (const Weight& weight : relations[i].by) distance -= weight.value * at(weight.unknown);
+      on_faces.push_back({face.owner, relations[i].unknown, distance / face.length});
+    }
+  }
+  // In the order in which forces are passed on.
+  std::vector<int> num_followers(entries_.size(), 0);
+  const auto for_each_entry_of = [&](const Entry& entry, const auto& visit) {
+    for (const Weight& weight : entry.relation.by)
+      if (const Index of = entry_of_[static_cast<std::size_t>(weight.unknown)]; of >= 0)
+        visit(static_cast<std::size_t>(of));
+  };
+  for (const Entry& entry : entries_) for_each_entry_of(entry, [&](std::size_t of) { ++num_followers[of]; });
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    if (num_followers[i] == 0) order.push_back(i);
+  std::vector<LinearConstraints::Stated> stated;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const Entry& entry = entries_[order[k]];
+    stated.push_back({entry.owner, entry.relation});
+    for_each_entry_of(entry, [&](std::size_t of) {
+      if (--num_followers[of] == 0) order.push_back(of);
+    });
+  }
+  return std::make_shared<const LinearConstraints>(LinearConstraints{
+      .dependents = Dependents(dim_, static_cast<Index>(rest_positions_.size()), std::move(relations)),
+      .constants = std::move(constants),
+      .functions = functions_,
+      .names = names_,
+      .stated = std::move(stated),
+      .on_faces = std::move(on_faces)});
+}
+
+}  // namespace resilin
