@@ -260,8 +260,9 @@ std::shared_ptr<const LinearConstraints> make_constraints(const Description& des
                                                           std::span<const BodyMesh> meshes) {
   if (description.ties.empty() && description.constraints.empty()) return nullptr;
   Maker maker(world, meshes);
-  for (const ConstraintDescription& constraint : description.constraints) maker.add(constraint);
+  // Equations choose who follows, ties do not.
   for (const TieDescription& tie : description.ties) maker.add(tie);
+  for (const ConstraintDescription& constraint : description.constraints) maker.add(constraint);
   return maker.build();
 }
 

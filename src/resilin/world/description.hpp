@@ -257,7 +257,7 @@ struct ContactDescription {
 struct TieDescription {
   std::string place = "tie";
   std::string name;  ///< name of the force in the report
-  std::string body;  ///< of the surface that follows ...
+  std::string body;  ///< body of the surface that follows ...
   Where where;
   std::string to;  ///< ... the surface of this one
   Where to_where;

@@ -13,14 +13,14 @@ namespace {
 using Weight = Dependents::Weight;
 using Constant = LinearConstraints::Constant;
 
-constexpr double negligible_coefficient = 1e-12;  ///< of the largest coefficient of an equation
+constexpr double negligible_coefficient = 1e-12;  ///< relative to the largest one of an equation
 
 }  // namespace
 
 std::vector<Reaction> LinearConstraints::reactions(int dim, const VectorX& gradient,
                                                    const VectorX& positions) const {
   std::vector<Reaction> found(names.size());
-  VectorX forces = gradient;  // what follows something that follows passes its force on
+  VectorX forces = gradient;  // chains pass their forces on
   std::vector<bool> is_face(names.size(), false);
   for (const auto& [owner, unknown, share] : on_faces) {
     is_face[owner] = true;

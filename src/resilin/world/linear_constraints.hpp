@@ -35,7 +35,7 @@ struct LinearConstraints {
   Dependents dependents;
   std::vector<std::vector<Constant>> constants;  ///< by relation of `dependents`
   std::vector<TimeFunction> functions;
-  std::vector<std::string> names;  ///< of ties and constraints, for the report
+  std::vector<std::string> names;  ///< names of ties and constraints, for the report
   std::vector<Stated> stated;      ///< no relation comes before one that follows it
   std::vector<OnFace> on_faces;    ///< in place of the forces on what follows, for the names that are here
 

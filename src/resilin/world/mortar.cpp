@@ -17,7 +17,7 @@ namespace {
 using Point = Eigen::Vector2d;
 using Polygon = std::vector<Point>;
 
-constexpr double least_coverage = 0.5;  ///< of a facet that follows
+constexpr double least_coverage = 0.5;  ///< share of a following facet that must face the other surface
 constexpr double least_cosine = 0.1;    ///< between the normals of facets, one turned round
 constexpr double negligible_area = 1e-13;
 /// Share of the middle of an edge in its ends: Popp, Wohlmuth, Gee & Wall 2012, for faces of six nodes, whose

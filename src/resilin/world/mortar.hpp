@@ -19,7 +19,7 @@ struct MortarRow {
   double own = 0;  ///< [m^2], in 2D [m]
   std::vector<WeightedNode> of_leader{};
   std::vector<Index> neighbours{};  ///< nodes of its facets
-  std::vector<Index> ends{};        ///< of the edge in whose middle it is; empty for a corner
+  std::vector<Index> ends{};        ///< ends of the edge in whose middle it is; empty for a corner
   double share_of_ends = 0;         ///< u = (1 - 2 share) v + share (u_0 + u_1)
 };
 
