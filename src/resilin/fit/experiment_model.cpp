@@ -41,8 +41,16 @@ std::vector<std::string> ExperimentModel::parameter_keys() const {
 }
 
 std::vector<Marker> ExperimentModel::markers_of(const MeasuredTable& table) const {
-  if (table.kind == MeasuredKind::probe)
-    return {Marker{{probe_named(*world_, table.of, table.place + ".of").node}, {1}}};
+  if (table.kind == MeasuredKind::probe) {
+    const Probe& probe = probe_named(*world_, table.of, table.place + ".of");
+    if (probe.carriers.empty()) return {Marker{{probe.node}, {1}}};
+    Marker marker;
+    for (const auto& [node, weight] : probe.carriers) {
+      marker.nodes.push_back(node);
+      marker.weights.push_back(weight);
+    }
+    return {marker};
+  }
   if (!has_places(table.kind)) return {};
   std::vector<Vector3> points;
   std::vector<std::string> places;

@@ -50,11 +50,14 @@ void SecondMoments::add(std::span<const Vector3> corners, double size) {
   second_ += size / (count * (count + 1)) * (squares + sum * sum.transpose());
 }
 
-Vector3 SecondMoments::lengths() const {
+Matrix<3> SecondMoments::second() const {
   const Vector3 center = first_ / size_;
-  const Matrix<3> spread = second_ / size_ - center * center.transpose();
+  return second_ / size_ - center * center.transpose();
+}
+
+Vector3 SecondMoments::lengths() const {
   constexpr double of_box = 12;  // the square of a side over its second moment
-  return (of_box * dense::symmetric_eigenpairs3(spread).values.cwiseMax(0)).cwiseSqrt().unaryExpr(&rounded);
+  return (of_box * dense::symmetric_eigenpairs3(second()).values.cwiseMax(0)).cwiseSqrt().unaryExpr(&rounded);
 }
 
 SecondMoments second_moments(CellKind kind, std::span<const Index> cells, const VectorX& places, int dim) {

@@ -16,6 +16,8 @@ class SecondMoments {
   /// A simplex by its corners. @param size  its volume, area or length, which may count as negative
   void add(std::span<const Vector3> corners, double size);
   double size() const { return size_; }
+  Vector3 mean() const { return middle_ + first_ / size_; }  ///< the centroid [m]
+  Matrix<3> second() const;                                  ///< mean of (X - centroid)(X - centroid)^T [m^2]
 
   /// The sides of the box with the same second moments, rising: of a box they are its own, however it is
   /// turned. Rounded to 10 digits, so that they do not tell how it is turned [m]. In 2D the first is zero.

@@ -22,7 +22,7 @@ Mesh mesh_of(const VectorX& positions, CellBlock cells) {
 }  // namespace
 
 std::optional<double> mesh_volume_ratio(const World& world, const Body& body) {
-  if (!body.skin || world.dimension != 3 || !world.share.is_whole()) return std::nullopt;
+  if (!body.skin || body.rigid || world.dimension != 3 || !world.share.is_whole()) return std::nullopt;
   try {
     const SolidSurface surface =
         make_solid_surface(mesh_of(body.skin->rest_positions, body.skin->facets), body.skin->name);

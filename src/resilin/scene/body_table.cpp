@@ -33,6 +33,34 @@ std::vector<std::string> quadrature_names() {
 
 }  // namespace
 
+namespace {
+
+Keys<RigidDescription> rigid_keys() {
+  using R = RigidDescription;
+  return {
+      key<R>({"density", "number > 0", "kg/m^3", "none",
+              "Density; required with gravity, in dynamic and modal analysis."},
+             [](const SceneNode& node, R& r) { r.density = read_number(node, positive); }),
+      key<R>({"stiffness", "number > 0", "Pa", "by what it meets",
+              "Young's modulus by which it resists stretching ([rigid bodies](rigid.md#method))."},
+             [](const SceneNode& node, R& r) { r.stiffness = read_number(node, positive); }),
+  };
+}
+
+void read_rigid(const SceneNode& node, std::optional<RigidDescription>& rigid) {
+  if (!node.value->is_table() && !read_flag(node)) return;
+  rigid.emplace();
+  rigid->place = node.place();
+  if (node.value->is_table()) read_table(node, rigid_keys(), *rigid);
+}
+
+}  // namespace
+
+TableDoc rigid_doc() {
+  return document("rigid", "A body that keeps its shape ([rigid bodies](rigid.md)): true, or a table with",
+                  rigid_keys());
+}
+
 Keys<BodyDescription> body_keys() {
   using B = BodyDescription;
   return {
@@ -52,6 +80,9 @@ Keys<BodyDescription> body_keys() {
              read_body_mesh),
       key<B>({"material", "[material](#material)", "", "see there", "Constitutive model and density."},
              [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
+      key<B>({"rigid", "true, false or [rigid](#rigid)", "", "false",
+              "Keeps the shape of its mesh; in place of material."},
+             [](const SceneNode& node, B& b) { read_rigid(node, b.rigid); }),
       key<B>({"region", "[[body.region]]", "", "none", "Cells of another material."},
              [](const SceneNode& node, B& b) { read_regions(node, b.mesh, b.regions); }),
       number_key("scale", &B::scale, "", positive, "Scale factor of the mesh coordinates, applied first."),
@@ -100,6 +131,8 @@ void read_body(const SceneNode& node, BodyDescription& body) {
   body.place = node.place();
   body.material.place = node.place() + ".material";
   read_table(node, body_keys(), body);
+  if (body.rigid && node.has("material"))
+    node.child("material").fail_with("is for a deformable body; a rigid one has rigid = { density = 7800 }");
   remark_on_unit(node, body);
   if (node.has("initial_velocities") && (node.has("velocity") || node.has("velocity_gradient"))) {
     node.child("initial_velocities")

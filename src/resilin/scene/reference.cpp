@@ -58,6 +58,7 @@ std::vector<TableDoc> scene_tables() {
       damping_doc(),
       rotation_doc(),
       skin_doc(),
+      rigid_doc(),
       document("[[fix]]",
                "Dirichlet boundary condition: prescribed displacement, whole or by component; the reaction "
                "is reported.",

@@ -84,6 +84,7 @@ Json of_type(const std::string& type) {
   if (begins("[[")) return {{"type", "array"}, {"items", reference(plain_title(type))}};
   const std::optional<std::string> anchor = anchor_of(type);
   if (anchor && begins("text or ")) return {{"anyOf", {{{"type", "string"}}, reference(*anchor)}}};
+  if (anchor && begins("true")) return {{"anyOf", {{{"type", "boolean"}}, reference(*anchor)}}};
   if (anchor) return reference(*anchor);
   if (begins("list of \"")) return {{"type", "array"}, {"items", {{"enum", quoted_words(type)}}}};
   if (begins("list of names") || type.ends_with("texts"))

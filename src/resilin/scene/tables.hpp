@@ -25,6 +25,7 @@ void read_section(const SceneNode& node, SectionDescription& section);
 // body_table.cpp
 Keys<BodyDescription> body_keys();
 TableDoc element_doc();
+TableDoc rigid_doc();
 void read_body(const SceneNode& node, BodyDescription& body);
 
 // mesh_table.cpp

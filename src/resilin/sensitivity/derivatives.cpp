@@ -25,6 +25,10 @@ void check_is_differentiable(const Description& description) {
   if (const std::string material = place_of_viscoelasticity(description); !material.empty())
     throw InputError(material, "elastic materials where derivatives are asked for", "a viscoelastic one",
                      "leave viscoelastic out");
+  for (const BodyDescription& body : description.bodies)
+    if (body.rigid)
+      throw InputError(body.rigid->place, "deformable bodies where derivatives are asked for", "a rigid one",
+                       "leave rigid out, or make it a collider");
 }
 
 }  // namespace

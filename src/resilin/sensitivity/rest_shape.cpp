@@ -82,6 +82,10 @@ class Search {
     if (const std::string material = place_of_viscoelasticity(description_); !material.empty())
       throw InputError(material, "an elastic material for a stress-free shape", "a viscoelastic one",
                        "leave viscoelastic out");
+    for (const BodyDescription& body : description_.bodies)
+      if (body.rigid)
+        throw InputError(body.rigid->place, "deformable bodies for a stress-free shape", "a rigid one",
+                         "leave rigid out, or make it a collider");
     const World drawn{Description(description_)};
     if (drawn.friction)
       throw InputError(description_.place + ": stress-free shape", "contact without friction", "friction",

@@ -119,9 +119,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   }
   find_worst_of_all(world, frame);
   for (const Probe& probe : world.probes) {
-    const auto at_probe = [&](const VectorX& values) {
-      return probe.node < 0 ? Vector3(Vector3::Zero()) : node_position(dim, probe.node, values);
-    };
+    const auto at_probe = [&](const VectorX& values) { return probe.value(dim, values); };
     frame.probes.push_back(
         {.name = probe.name,
          .displacement = world.share.sum(at_probe(state.positions) - at_probe(world.rest_positions)),

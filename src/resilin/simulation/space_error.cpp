@@ -88,7 +88,7 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
   double bytes = 0;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (body.num_cells() == 0) continue;
+    if (body.num_cells() == 0 || body.rigid) continue;
     BodySpace<dim> space(world, body);
     if (bytes + space.bytes() > most_bytes) continue;
     bytes += space.bytes();

@@ -6,6 +6,7 @@
 
 #include "resilin/view/shown_marks.hpp"
 #include "resilin/world/meeting_surface.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
@@ -72,7 +73,7 @@ double field_scale(const FieldInfo& field, const World& world) {
   double stiffest = 0, fastest = 0;  // waves
   for (const Body& body : world.bodies) {
     for (const Domain& domain : body.domains) {
-      const double modulus = youngs_modulus(domain);
+      const double modulus = body.rigid ? body.rigid->contact_modulus : youngs_modulus(domain);
       stiffest = std::max(stiffest, modulus);
       if (domain.density > 0) fastest = std::max(fastest, std::sqrt(modulus / domain.density));
     }

@@ -121,7 +121,7 @@ std::vector<ShownMark> shown_marks(const World& world, const ShownSurface& surfa
     if (term->properties().category == EnergyCategory::external && term->name() != "gravity")
       add(mark_of_load(world, *term, surface));
   for (const Probe& probe : world.probes)
-    add(mark_at(ShownMark::Kind::probe, probe.name, {probe.node}, 1, surface));
+    if (probe.carriers.empty()) add(mark_at(ShownMark::Kind::probe, probe.name, {probe.node}, 1, surface));
   return marks;
 }
 

@@ -88,7 +88,7 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
     Domain domain;
     domain.name = of.region < 0 ? "" : description.regions[static_cast<std::size_t>(of.region)].name;
     domain.region = of.region;
-    domain.law = law.name;
+    domain.law = body.rigid ? "rigid" : law.name;
     const std::size_t num_constants = law.constants.size(), num_sets = of.constants.size() / num_constants;
     for (std::size_t i = 0; i < num_constants; ++i) {
       double sum = 0;
@@ -131,6 +131,9 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
 
 void change_material(World& world, std::size_t index, const BodyDescription& description) {
   Body changed = world.bodies[index];
+  if (changed.rigid)
+    throw InputError(description.place + ".material", "a deformable body",
+                     "the rigid body \"" + changed.name + '"');
   std::vector<DomainMaterial> materials;
   for (const Domain& domain : changed.domains)
     materials.push_back(material_of_domain(description, domain.region, changed.num_cells(), domain.numbers));

@@ -68,6 +68,8 @@ std::vector<BodyOverlap> overlapping_bodies(const World& world, const VectorX& x
           all.push_back({.body = a, .other = b, .place = *place});
         continue;
       }
+      if (world.bodies[a].rigid || world.bodies[b].rigid)
+        continue;  // cells of control nodes are no part of the body
       const auto found = find_overlap(cells_of(world.bodies[a]), cells_of(world.bodies[b]));
       if (!found) continue;
       if (contact != nullptr && !surfaces_overlap(world, *contact, body, other, x)) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "resilin/energy/damping.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 
@@ -54,9 +55,7 @@ void add_damping(const Description& description, World& world) {
             {TermOrigin::Kind::viscous_damping, b, d});
     if (wanted.mass == 0) continue;
     if (by_mass.nodal.size() == 0) by_mass = world.mass->times(0);
-    for (const Domain& domain : body.domains)
-      add_cell_masses(by_mass, body.domains.element(), domain.cells, world.rest_positions,
-                      wanted.mass * domain.density, body.mass_kind == MassKind::consistent);
+    add_body_masses(by_mass, body, world.rest_positions, wanted.mass);
   }
   if (by_mass.nodal.size() > 0)
     add(std::make_shared<MassDamping>(std::make_shared<const MassMatrix>(std::move(by_mass))),

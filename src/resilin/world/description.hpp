@@ -148,6 +148,14 @@ struct RegionDescription {
   MaterialDescription material;
 };
 
+/// A body that keeps its shape (docs/rigid.md).
+struct RigidDescription {
+  std::string place = "body.rigid";
+  std::optional<double> density{};  ///< [kg/m^3]; needed in motion
+  std::optional<double>
+      stiffness{};  ///< Young's modulus against stretching [Pa]; default: see with_control_nodes
+};
+
 /// A deformable body of a scene.
 struct BodyDescription {
   std::string place = "body";
@@ -176,6 +184,7 @@ struct BodyDescription {
   DampingDescription damping;
   MeetingSurface contact_surface = MeetingSurface::boundary;
   std::optional<SkinDescription> skin;
+  std::optional<RigidDescription> rigid{};  ///< in place of materials
 };
 
 /// Dirichlet boundary condition: prescribed displacement.

@@ -17,10 +17,11 @@ RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibr
 RESILIN_MEMBERS(Rotation, axis, center, degrees)
 RESILIN_MEMBERS(DampingDescription, mass, stiffness, shear_viscosity, bulk_viscosity)
 RESILIN_MEMBERS(SkinDescription, place, surface, surface_name, is_smooth)
+RESILIN_MEMBERS(RigidDescription, place, density, stiffness)
 RESILIN_MEMBERS(RegionDescription, place, name, where, cells, material)
 RESILIN_MEMBERS(BodyDescription, place, name, mesh, mesh_name, element, quadrature, material, regions, scale,
                 rotate, translate, velocity, velocity_gradient, initial_positions, initial_velocities,
-                contact_shape, mass, damping, contact_surface, skin)
+                contact_shape, mass, damping, contact_surface, skin, rigid)
 RESILIN_MEMBERS(TimeFunction::Table, times, values)
 RESILIN_MEMBERS(TimeFunction::Sine, frequency, amplitude, phase, offset)
 RESILIN_MEMBERS(TimeFunction::Ramp, from, until)

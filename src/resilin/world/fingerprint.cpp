@@ -169,6 +169,7 @@ bool is_seen(const T&, std::string_view member) {
 bool is_seen(const BodyDescription& body, std::string_view member) {
   if (member == "skin") return body.contact_surface == MeetingSurface::skin;
   if (member == "contact_shape") return !body.contact_shape.empty();
+  if (member == "rigid") return body.rigid.has_value();
   return !is_one_of(member, {"place", "name", "mesh_name"});
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 std::shared_ptr<Energy> dead_load(std::shared_ptr<const LoadedRegion> region, const LoadDescription& load,
                                   const LoadSite& site) {
-  return std::make_shared<DeadLoad>(site.name, site.world.dimension, std::move(region), load.value,
-                                    site.world.rest_positions, site.active);
+  return std::make_shared<DeadLoad>(site.name, site.dimension, std::move(region), load.value,
+                                    site.rest_positions, site.active);
 }
 
 std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadSite& site) {
@@ -26,22 +26,22 @@ std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadS
                      std::to_string(site.vertices.size()) + " vertices that fill no cell");
   }
   const bool are_all = cells.size() == site.body.cells.size();
-  return dead_load(std::make_shared<LoadedCells>(site.body.domains.element(),
+  return dead_load(std::make_shared<LoadedCells>(site.element,
                                                  are_all ? site.body.cells : SharedIndices(std::move(cells))),
                    load, site);
 }
 
 CellBlock facets_of(const LoadDescription& load, const LoadSite& site) {
   if (site.part == nullptr)
-    return select_facets(load.where, site.vertices, site.body, site.world.rest_positions,
-                         site.world.dimension, site.where);
+    return select_facets(load.where, site.vertices, site.body, site.rest_positions, site.dimension,
+                         site.where);
   CellBlock facets{.kind = cell_sides(site.body.cell_kind)[0].kind, .nodes = site.part->facets};
   for (Index& node : facets.nodes) node += site.body.first_node;
   return facets;
 }
 
 std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSite& site) {
-  return dead_load(std::make_shared<LoadedFacets>(site.world.dimension, facets_of(load, site)), load, site);
+  return dead_load(std::make_shared<LoadedFacets>(site.dimension, facets_of(load, site)), load, site);
 }
 
 /// Each process knows its own facets alone, not the whole area.
@@ -49,11 +49,11 @@ std::shared_ptr<Energy> spread(SpreadForce::Kind kind, const LoadDescription& lo
   if (site.part != nullptr)
     throw InputError(load.place, "a scene on one MPI process for a load of kind \"" + load.kind + "\"",
                      "several", "give a traction: the force over the area");
-  const bool is_number = kind == SpreadForce::Kind::moment && site.world.dimension == 2;
+  const bool is_number = kind == SpreadForce::Kind::moment && site.dimension == 2;
   return std::make_shared<DeadLoad>(
-      site.name, site.world.dimension,
-      std::make_shared<SpreadForce>(kind, site.world.dimension, facets_of(load, site), load.point),
-      is_number ? Vector3(0, 0, load.pressure) : load.value, site.world.rest_positions, site.active);
+      site.name, site.dimension,
+      std::make_shared<SpreadForce>(kind, site.dimension, facets_of(load, site), load.point),
+      is_number ? Vector3(0, 0, load.pressure) : load.value, site.rest_positions, site.active);
 }
 
 std::shared_ptr<Energy> make_force(const LoadDescription& load, const LoadSite& site) {
@@ -65,19 +65,19 @@ std::shared_ptr<Energy> make_moment(const LoadDescription& load, const LoadSite&
 }
 
 std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSite& site) {
-  return std::make_shared<Pressure>(site.name, site.world.dimension, facets_of(load, site), load.pressure,
-                                    site.world.rest_positions, site.active);
+  return std::make_shared<Pressure>(site.name, site.dimension, facets_of(load, site), load.pressure,
+                                    site.rest_positions, site.active);
 }
 
 std::shared_ptr<Energy> make_nodal_force(const LoadDescription& load, const LoadSite& site) {
-  return dead_load(std::make_shared<LoadedNodes>(site.world.dimension, site.nodes), load, site);
+  return dead_load(std::make_shared<LoadedNodes>(site.dimension, site.nodes), load, site);
 }
 
 std::shared_ptr<Energy> make_spring(const LoadDescription& load, const LoadSite& site) {
   const HandleSpring::Motion motion{
       .displacement = load.displacement, .velocity = load.velocity, .start = load.from};
-  return std::make_shared<HandleSpring>(site.name, site.world.dimension, site.nodes, load.stiffness, motion,
-                                        site.world.rest_positions, site.active);
+  return std::make_shared<HandleSpring>(site.name, site.dimension, site.nodes, load.stiffness, motion,
+                                        site.rest_positions, site.active);
 }
 
 }  // namespace

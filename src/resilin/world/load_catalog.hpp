@@ -12,11 +12,13 @@ namespace resilin {
 
 /// Region of a load, and further input of its energy.
 struct LoadSite {
-  const World& world;
+  int dimension;
+  const VectorX& rest_positions;  ///< reference positions of the nodes of the cells [m]
   const Body& body;
+  const ElementInfo& element;
   std::string name;
   std::string where;            ///< begins messages about the selection
-  std::vector<Index> nodes;     ///< selected, in the world's numbering
+  std::vector<Index> nodes;     ///< selected, in the numbering of the cells
   std::vector<Index> vertices;  ///< the same in the body's mesh
   ActiveTime active;
   const SelectionPart* part = nullptr;  ///< part of a scene that several processes share; else null

@@ -9,6 +9,7 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/second_moments.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 
@@ -25,7 +26,9 @@ std::size_t softest_domain(const Body& body) {
   return softest;
 }
 
-double youngs_modulus(const Body& body) { return youngs_modulus(body.domains[softest_domain(body)]); }
+double youngs_modulus(const Body& body) {
+  return body.rigid ? body.rigid->contact_modulus : youngs_modulus(body.domains[softest_domain(body)]);
+}
 
 double youngs_modulus(const LawInfo& law, const std::vector<double>& constants) {
   double E = 0;

@@ -46,7 +46,7 @@ std::vector<std::string> implausible_numbers(const Description& description) {
       oddities.push_back(body.place + ": the body is " + rounded(length) +
                          " m long; is the mesh in other units? (scale)");
     }
-    if (!body.regions.empty()) continue;  // no one number tells of several materials
+    if (!body.regions.empty() || body.rigid) continue;  // no one number tells of several materials
     const auto modulus = stiffness(body.material);
     if (!modulus || *modulus <= 0 || body.material.density <= 0) continue;
     const double weight_strain = body.material.density * description.gravity.norm() * length / *modulus;

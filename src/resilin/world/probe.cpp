@@ -6,6 +6,7 @@
 #include <span>
 
 #include "resilin/core/text.hpp"
+#include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
@@ -38,8 +39,21 @@ void warn_of_distance(World& world, const Body& body, const ProbeDescription& pr
 
 }  // namespace
 
+Vector3 Probe::value(int dim, const VectorX& of_nodes) const {
+  if (carriers.empty()) return node < 0 ? Vector3(Vector3::Zero()) : node_position(dim, node, of_nodes);
+  Vector3 sum = Vector3::Zero();
+  for (const auto& [carrier, weight] : carriers) sum += weight * node_position(dim, carrier, of_nodes);
+  return sum;
+}
+
 Probe find_probe(const ProbeDescription& probe, const Body& body, World& world) {
   Probe found{.name = probe.name, .node = body.first_node};
+  if (body.rigid) {
+    const VectorX weights = body.rigid->weights(probe.at);
+    for (Index a = 0; a < static_cast<Index>(weights.size()); ++a)
+      found.carriers.push_back({body.first_node + a, weights[a]});
+    return found;
+  }
   double nearest = std::numeric_limits<double>::infinity();
   const auto num_corners = static_cast<std::size_t>(resilin::num_corners(body.cell_kind));
   const auto width = static_cast<std::size_t>(resilin::num_nodes(body.cell_kind));

@@ -70,6 +70,8 @@ void require_distributable(const World& world) {
     if (body.domains.are_viscoelastic())
       refuse(scene + ": body \"" + body.name + "\"", "a viscoelastic material");
   for (const Body& body : world.bodies)
+    if (body.rigid) refuse(scene + ": body \"" + body.name + "\"", "a rigid body");
+  for (const Body& body : world.bodies)
     if (body.skin) refuse(scene + ": body \"" + body.name + "\"", "a skin");
   for (const std::string& field : world.output.fields)
     if (field.starts_with("contact_") || field.starts_with("nodal_"))

@@ -75,7 +75,8 @@ std::shared_ptr<const Skin> make_skin(const BodyDescription& description, const 
             .rest_positions = Eigen::Map<const VectorX>(surface.vertices.front().data(), size),
             .embedding = Embedding(require_element(body.element, dim, skin.place), body.cells, rest_positions,
                                    surface.vertices, skin.is_smooth)};
-  check_distance(skin, body, made.embedding, extent_of(body, rest_positions, dim), warnings);
+  if (!description.rigid)
+    check_distance(skin, body, made.embedding, extent_of(body, rest_positions, dim), warnings);
   return std::make_shared<const Skin>(std::move(made));
 }
 

@@ -25,6 +25,7 @@
 #include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/plausibility.hpp"
 #include "resilin/world/resultants.hpp"
+#include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/scene_origin.hpp"
 #include "resilin/world/selection.hpp"
 #include "resilin/world/start_check.hpp"
@@ -101,8 +102,12 @@ void check_modes(const Description& description, const ModesOptions& modes, Worl
 class Builder {
  public:
   /// @param part  of a scene that several processes share; null: the whole
-  Builder(const Description& description, World& world, const ScenePart* part = nullptr)
-      : description_(description), world_(world), part_(part) {}
+  /// @param shapes  of the rigid bodies, null for others; empty: there is none
+  Builder(const Description& description, World& world, const ScenePart* part = nullptr,
+          std::vector<std::shared_ptr<const RigidShape>> shapes = {})
+      : description_(description), world_(world), part_(part), shapes_(std::move(shapes)) {
+    shapes_.resize(description.bodies.size());
+  }
   void build();
 
  private:
@@ -122,6 +127,7 @@ class Builder {
   const Description& description_;  ///< in the world's coordinates
   World& world_;
   const ScenePart* part_;
+  std::vector<std::shared_ptr<const RigidShape>> shapes_;
   std::vector<BodyMesh> meshes_;
   std::vector<std::vector<DomainMaterial>> materials_;  ///< materials of each body
   std::vector<std::shared_ptr<Energy>> coupling_;       ///< terms whose couplings make up the pattern
@@ -234,6 +240,7 @@ void Builder::add_body(const BodyDescription& description) {
   if (!made.reason.empty())
     world_.notes.push_back(description.place + ": element " + body.element + ": " + made.reason);
   body.mass_kind = description.mass;
+  body.rigid = shapes_[world_.bodies.size()];
   body.contact_surface = description.contact_surface;
   body.first_node = world_.num_nodes();
   body.num_nodes = static_cast<Index>(made.mesh.vertices.size());
@@ -260,12 +267,22 @@ void Builder::add_support(std::size_t number) {
   const FixDescription& fix = description_.fixes[number];
   const std::size_t b = find_body(fix.body, fix.place);
   const Body& body = world_.bodies[b];
+  const std::string where = fix.place + ".where";
+  std::vector<Index> nodes;
+  if (part_ != nullptr) {
+    nodes = part_->fixes[number].nodes;
+  } else if (body.rigid) {
+    const RigidShape& shape = *body.rigid;
+    if (!fix.gradient.isZero(0))
+      throw InputError(fix.place + ".gradient", "none on a rigid body", "one", "turn it with rotate");
+    nodes = shape.nodes_held_by(
+        select_vertices(fix.where, shape.mesh, shape.body, shape.rest_positions, world_.dimension, where));
+  } else {
+    nodes = select_vertices(fix.where, meshes_[b].mesh, body, world_.rest_positions, world_.dimension, where);
+  }
   Support support{.place = fix.place,
                   .name = fix.name,
-                  .nodes = part_ != nullptr
-                               ? part_->fixes[number].nodes
-                               : select_vertices(fix.where, meshes_[b].mesh, body, world_.rest_positions,
-                                                 world_.dimension, fix.place + ".where"),
+                  .nodes = std::move(nodes),
                   .components = fix.components,
                   .displacement = fix.displacement,
                   .gradient = fix.gradient,
@@ -298,6 +315,8 @@ void Builder::add_probe(std::size_t number) {
 
 void Builder::add_section(const SectionDescription& section) {
   const Body& body = world_.bodies[find_body(section.body, section.place)];
+  if (body.rigid)
+    throw InputError(section.place + ".body", "a deformable body", "the rigid body \"" + body.name + '"');
   world_.sections.emplace_back(section, body, world_.dimension, world_.rest_positions);
 }
 
@@ -329,16 +348,13 @@ void Builder::add_masses() {
   mass.nodal = VectorX::Zero(world_.num_nodes());
   const bool is_multiplied = world_.is_dynamic || world_.modes;
   const auto is_consistent = [is_multiplied](const Body& body) {
-    return is_multiplied && body.mass_kind == MassKind::consistent;
+    return is_multiplied && has_consistent_mass(body);
   };
   if (std::ranges::any_of(world_.bodies, is_consistent)) {
     mass.pattern = world_.pattern;
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
   }
-  for (const Body& body : world_.bodies)
-    for (const Domain& domain : body.domains)
-      add_cell_masses(mass, body.domains.element(), domain.cells, world_.rest_positions, domain.density,
-                      is_consistent(body));
+  for (const Body& body : world_.bodies) add_body_masses(mass, body, world_.rest_positions, 1);
   world_.mass = std::make_shared<const MassMatrix>(std::move(mass));
 }
 
@@ -395,10 +411,15 @@ World::World(const Description& description, std::shared_ptr<const Description> 
     return;
   }
   origin = find_scene_origin(description);
+  const auto build = [this](const Description& of) {
+    if (!has_rigid_bodies(of)) return Builder(of, *this).build();
+    RigidBodies rigid = with_control_nodes(of, warnings);
+    Builder(rigid.description, *this, nullptr, std::move(rigid.shapes)).build();
+  };
   if (origin.isZero(0)) {
-    Builder(description, *this).build();
+    build(description);
   } else {
-    Builder(with_origin(description, origin), *this).build();
+    build(with_origin(description, origin));
   }
   fingerprint = fingerprint_of(description);
   // The element's own rule by its name is the same scene as none.

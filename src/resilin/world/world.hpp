@@ -26,6 +26,7 @@ namespace resilin {
 
 class Dependents;
 struct LinearConstraints;
+struct RigidShape;
 
 /// One body in the world's numbering of nodes.
 struct Body {
@@ -42,7 +43,8 @@ struct Body {
   CellKind cell_kind = CellKind::tetrahedron;
   SharedIndices cells;  ///< nodes of the cells, in the world's numbering
   Domains domains;
-  std::shared_ptr<const Skin> skin;  ///< null for a body without
+  std::shared_ptr<const Skin> skin;           ///< null for a body without
+  std::shared_ptr<const RigidShape> rigid{};  ///< null for a deformable body
   MeetingSurface contact_surface = MeetingSurface::boundary;
   double mass = 0;  ///< [kg]
 
