@@ -150,7 +150,7 @@ void place_control_nodes(const Hull* held, const Vector3& centre, const Dense& L
   shape.masses = shape.masses.unaryExpr([rounding](double m) { return std::abs(m) > rounding ? m : 0.0; });
 }
 
-void refuse_keys(const BodyDescription& body, bool needs_density) {
+void refuse_keys(const BodyDescription& body, const RigidDescription& rigid, bool needs_density) {
   const auto refuse = [&](const char* key, const std::string& cure) {
     throw InputError(body.place + "." + key, "none for a rigid body", "one", cure);
   };
@@ -165,9 +165,9 @@ void refuse_keys(const BodyDescription& body, bool needs_density) {
   if ((G + G.transpose()).norm() > 1e-12 * G.norm())
     throw InputError(body.place + ".velocity_gradient", "a spin for a rigid body (antisymmetric)",
                      "one that stretches it");
-  if (needs_density && !body.rigid->density)
-    throw InputError(body.rigid->place + ".density", "a density for a rigid body with weight or inertia",
-                     "none", "rigid = { density = 7800 }");
+  if (needs_density && !rigid.density)
+    throw InputError(rigid.place + ".density", "a density for a rigid body with weight or inertia", "none",
+                     "rigid = { density = 7800 }");
 }
 
 /// The greatest Young's modulus of the deformable bodies [Pa]; 0 where there is none.
@@ -210,13 +210,16 @@ class Maker {
       : description_(description), warnings_(warnings), soft_modulus_(stiffest_modulus(description)) {}
 
   std::shared_ptr<const RigidShape> make(const BodyDescription& given, BodyDescription& made) const {
+    if (!given.rigid) return nullptr;
+    const RigidDescription& rigid = *given.rigid;
     const int dim = description_.dimension;
-    refuse_keys(given, description_.is_dynamic || description_.modes || !description_.gravity.isZero(0));
+    refuse_keys(given, rigid,
+                description_.is_dynamic || description_.modes || !description_.gravity.isZero(0));
     auto shape = std::make_shared<RigidShape>();
     place_cells(given, *shape);
     const SecondMoments moments =
         second_moments(shape->body.cell_kind, shape->body.cells, shape->rest_positions, dim);
-    const double density = given.rigid->density.value_or(0);
+    const double density = rigid.density.value_or(0);
     const double extent = extent_of(*shape);
     shape->mass = density > 0 ? density * moments.size() : 1;  // shares alone without a density
     const Dense second = moments.second().topLeftCorner(dim, dim);
@@ -230,7 +233,7 @@ class Maker {
       shape->mass = 0;
       shape->masses.setZero();
     }
-    const Moduli moduli = moduli_of(given, density, extent);
+    const Moduli moduli = moduli_of(given, rigid, density, extent);
     shape->contact_modulus = moduli.of_contact;
     describe(given, *shape, moduli.of_stretching, made);
     return shape;
@@ -299,14 +302,15 @@ class Maker {
     return held;
   }
 
-  Moduli moduli_of(const BodyDescription& given, double density, double extent) const {
+  Moduli moduli_of(const BodyDescription& given, const RigidDescription& rigid, double density,
+                   double extent) const {
     const double weight = density * description_.gravity.head(description_.dimension).norm() * extent;
     const double inertia = description_.is_dynamic ? density * square(extent / description_.time_step) : 0;
     const double stress = std::max(weight, stress_of_loads(description_, given, extent));
     double modulus =
         std::max({over_soft_bodies * soft_modulus_, over_inertia * inertia, over_stresses * stress});
     if (!(modulus > 0)) modulus = 1e9;
-    if (given.rigid->stiffness) modulus = *given.rigid->stiffness;
+    modulus = rigid.stiffness.value_or(modulus);
     double of_contact = soft_modulus_ > 0 ? soft_modulus_ : std::max(inertia, contact_over_stresses * stress);
     if (!(of_contact > 0)) of_contact = modulus / over_stresses;
     return {modulus, of_contact};
@@ -329,7 +333,7 @@ class Maker {
     made.mass = MassKind::lumped;
     // The energy of Saint-Venant and Kirchhoff without lateral contraction: E/8 |F^T F - I|^2.
     made.material = {};
-    made.material.place = given.rigid->place;
+    made.material.place = given.place + ".rigid";
     made.material.law = "saint_venant_kirchhoff";
     made.material.constants = {{"youngs_modulus", modulus}, {"poissons_ratio", 0}};
     made.material.density = shape.mass / size_of_cell(shape);
