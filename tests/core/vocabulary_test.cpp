@@ -35,14 +35,15 @@ TEST(Vocabulary, SaysWhatAWordIsCalledHere) {
       {"prony", {"law", "viscoelastic"}, "it is called \"viscoelastic\" here"},
       {"mpc", {"tie", "constraint"}, "it is called \"constraint\" here"},
       {"bonded", {"tie", "constraint"}, "it is called \"tie\" here"},
+      {"plane stress", {"2", "3"}, "it is simulation.dimension = \"plane_stress\" here"},
       {"viscoelastic", {"law", "name"}, "it is called body.material.viscoelastic here"},
   };
   for (const Wish& wish : wishes) EXPECT_EQ(cure_of_word(wish.word, wish.known), wish.cure) << wish.word;
 }
 
 TEST(Vocabulary, SaysWhatIsNotAvailable) {
-  for (const char* word : {"axisymmetric", "plane_stress", "plane stress", "joint", "plasticity", "shell",
-                           "gpu", "damage", "explicit", "thermal"})
+  for (const char* word :
+       {"axisymmetric", "joint", "plasticity", "shell", "gpu", "damage", "explicit", "thermal"})
     EXPECT_EQ(cure_of_word(word, std::vector<std::string>{"time_step", "tip"}),
               "not available (docs/limits.md)")
         << word;

@@ -108,6 +108,7 @@ constexpr std::array rows = {
     Row{"static", "quasistatic quasi_static steady equilibrium", "simulation.kind = \"static\""},
     Row{"dynamic", "transient implicit_dynamic", "simulation.kind = \"dynamic\""},
     Row{"modes", "modal eigenmodes vibration", "simulation.kind = \"modes\""},
+    Row{"plane_stress", "cps cps3 cps4 cps6 plane_stress", "simulation.dimension = \"plane_stress\""},
     Row{"linear_elastic", "hookean hooke isotropic_linear_elastic", "body.material.law"},
     Row{"neo_hookean", "neohookean neo_hooke nh", "body.material.law"},
     Row{"mooney_rivlin", "mooney", "body.material.law"},
@@ -120,7 +121,6 @@ constexpr std::array rows = {
 
     // features that are not available
     Row{"", "axisymmetric axisymmetry axi cax", "", "no axisymmetry"},
-    Row{"", "plane_stress cps", "", "no plane stress"},
     Row{"", "joint joints hinge connector", "", "joints"},
     Row{"", "plasticity plastic elastoplastic yield_stress von_mises_plasticity", "", "no plasticity"},
     Row{"", "damage fracture crack", "", "fracture"},

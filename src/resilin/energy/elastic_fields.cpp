@@ -8,7 +8,7 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/energy/elastic.hpp"
-#include "resilin/material/batch.hpp"
+#include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
 namespace {
@@ -33,6 +33,7 @@ class PointStates {
               .holds_displacement_gradients = true,
               .constants = {}};
     add_materials(elastic, is_uniform);
+    if (is_plane_stress(elastic.law()) && !gradients_.empty()) add_thickness();
   }
   PointStates(const PointStates&) = delete;
   PointStates& operator=(const PointStates&) = delete;
@@ -60,6 +61,18 @@ class PointStates {
       batch_.constants.push_back({constants_.data() + k, is_uniform ? 0 : num_constants});
     if (!fibres_.empty()) batch_.fibres = fibres_.front().data();
     batch_.fibre_stride = is_uniform ? 0 : 3 * batch_.num_fibres;
+  }
+
+  /// In plane stress the thickness is what the law makes of the plane.
+  void add_thickness() {
+    std::vector<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> plane(gradients_.size());
+    for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = gradients_[i].topLeftCorner<2, 2>();
+    std::vector<double> strains(plane.size());
+    StateBatch<double> states = batch_;
+    states.dim = 2;
+    states.deformation_gradients = plane.front().data();
+    thickness_strains(states, strains.data());
+    for (std::size_t i = 0; i < plane.size(); ++i) gradients_[i](2, 2) = strains[i];
   }
 
   std::vector<RowMatrix> gradients_;
@@ -131,6 +144,13 @@ void ElasticEnergy::for_each_point(const VectorX& x, const PointBody& body) cons
 }
 
 ElasticEnergy::VolumeRatio ElasticEnergy::min_volume_ratio(const VectorX& x) const {
+  if (is_plane_stress(law())) {
+    const std::vector<double> ratios = volume_ratios(x);
+    LeastRatio least;
+    for (std::size_t i = 0; i < ratios.size(); ++i) least += LeastRatio{ratios[i], i};
+    if (least.place == LeastRatio::nowhere) return {least.ratio, -1};
+    return {least.ratio, static_cast<Index>(least.place) / num_points()};
+  }
   const std::vector<double> u = tiles_.blocks.local_displacements(x);
   const LeastRatio least =
       parallel_sum<LeastRatio>(all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
@@ -191,6 +211,11 @@ std::vector<double> ElasticEnergy::volume_ratios(const VectorX& x) const {
     for_volume_ratios(tiles_, std::span(all_blocks_).subspan(begin, end - begin), u.data(),
                       [&](std::size_t cell, std::size_t point, double J) { ratios[place(cell, point)] = J; });
   });
+  if (is_plane_stress(law())) {  // those of the area, until the thickness is known
+    const std::vector<Matrix<3>> gradients = deformation_gradients(x);
+    for (std::size_t i = 0; i < ratios.size(); ++i)
+      if (!std::isnan(gradients[i](2, 2))) ratios[i] *= gradients[i](2, 2);
+  }
   return ratios;
 }
 
@@ -218,7 +243,8 @@ std::vector<ElasticEnergy::VolumeChange> ElasticEnergy::mean_volume_changes(cons
 }
 
 std::vector<double> ElasticEnergy::energy_densities(const VectorX& x) const {
-  // In plane strain H has a third row and column of zeros, so that the three-dimensional law serves both.
+  // In plane strain H has a third row and column of zeros, in plane stress the change of thickness, so that
+  // the three-dimensional law serves all.
   const bool is_uniform = tiles_.constant_stride == 0 && tiles_.directions.empty();
   const PointStates states(*this, is_uniform, [&](std::vector<RowMatrix>& H) {
     for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& h, double) {
@@ -266,6 +292,17 @@ std::vector<double> ElasticEnergy::von_mises_stresses(const VectorX& x) const {
 
 std::vector<Matrix<3>> ElasticEnergy::deformation_gradients(const VectorX& x) const {
   std::vector<Matrix<3>> gradients(static_cast<std::size_t>(num_cells() * num_points()));
+  if (is_plane_stress(law())) {
+    const bool is_uniform = tiles_.constant_stride == 0 && tiles_.directions.empty();
+    const PointStates states(*this, is_uniform, [&](std::vector<RowMatrix>& H) {
+      for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& h, double) {
+        H[place(cell, point)] = h;
+      });
+    });
+    for (std::size_t i = 0; i < gradients.size(); ++i)
+      gradients[i] = Matrix<3>::Identity() + states.gradients()[i];
+    return gradients;
+  }
   for_each_point(x, [&](std::size_t cell, std::size_t point, const Matrix<3>& H, double) {
     gradients[place(cell, point)] = Matrix<3>::Identity() + H;
   });

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/material/plane_stress.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
@@ -69,6 +71,9 @@ LiveControls with_material(LiveControls controls, const BodyControls& material) 
 
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
   const BodyDescription& first = description.bodies.front();
+  if (is_plane_stress(world.bodies.front().domains.front().law_info()))
+    throw InputError(description.place + ": simulation.dimension", "2 or 3 for a scene to play with",
+                     "\"plane_stress\"", "compute it with resilin run and look at its pictures");
   LiveControls controls = with_material({}, starting_material(first, world.bodies.front()));
   controls.damping = first.damping.mass;
   controls.gravity = description.gravity;

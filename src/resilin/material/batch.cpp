@@ -7,7 +7,9 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/kernels/plane_stress_kernels.hpp"
 #include "resilin/material/kernels/point_kernels.hpp"
+#include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
 namespace {
@@ -47,7 +49,8 @@ class Tile {
   Tile(const StateBatch<Real>& states, std::size_t begin, std::size_t count, Scratch& scratch)
       : states_(states),
         kernels_(point_kernels(states.dim, states.instruction_set)),
-        law_kernels_(law_kernels(states.law->index, states.instruction_set)),
+        law_(states.dim == 3 ? solid_law(*states.law) : *states.law),
+        law_kernels_(law_kernels(law_.index, states.instruction_set)),
         begin_(begin),
         count_(count),
         scratch_(scratch) {}
@@ -74,7 +77,7 @@ class Tile {
 
   StateTile states() const {
     return {num_blocks(),
-            {states_.law->kind, states_.law->uses_second_invariant},
+            {law_.kind, law_.uses_second_invariant},
             scratch_.H.data(),
             scratch_.frames.data(),
             has_fibres() ? scratch_.directions.data() : nullptr,
@@ -127,6 +130,7 @@ class Tile {
 
   const StateBatch<Real>& states_;
   const PointKernels& kernels_;
+  const LawInfo& law_;
   const LawKernels& law_kernels_;
   std::size_t begin_, count_;
   Scratch& scratch_;
@@ -253,6 +257,17 @@ void second_constant_derivatives(const StateBatch<Real>& states, std::size_t p, 
                                   static_cast<int>(q));
     tile.write(scratch.law.data(), 1, d2psi);
   });
+}
+
+void thickness_strains(const StateBatch<double>& states, double* strains) {
+  const PlaneStressKernels& kernels = plane_stress_kernels(states.instruction_set);
+  const LawInfo& solid = solid_law(*states.law);
+  const LawKernels& law = law_kernels(solid.index, states.instruction_set);
+  for_tiles<states_per_tile>(states, false, prefetch_nothing,
+                             [&](const Tile<double>& tile, Scratch& scratch) {
+                               kernels.thickness_strain(solid.kind, law, tile.law_batch(scratch.law.data()));
+                               tile.write(scratch.law.data(), 1, strains);
+                             });
 }
 
 template void energy_densities(const StateBatch<double>&, double*);

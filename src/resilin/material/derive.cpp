@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "resilin/material/batch.hpp"
+#include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
 namespace {
@@ -54,12 +54,20 @@ TangentMatrix<dim> tangent(const Material& material, const Matrix<dim>& gradient
   return by_columns;
 }
 
-/// In plane strain the third row and column are those of diag(F_2, 1).
+/// In plane strain the third row and column are those of diag(F_2, 1), in plane stress those of the
+/// thickness.
 template <int dim>
 Matrix<3> cauchy(const Material& material, const Matrix<dim>& gradient, bool is_displacement) {
   Matrix<3> full = Matrix<3>::Zero();
   if (!is_displacement) full = Matrix<3>::Identity();
   full.template topLeftCorner<dim, dim>() = gradient;
+  if constexpr (dim == 2)
+    if (is_plane_stress(*material.law)) {
+      const RowMajor<2> rows = gradient;
+      double strain;
+      thickness_strains(batch_of<2>(material, rows, is_displacement), &strain);
+      full(2, 2) += strain;
+    }
   Matrix<3> P = stress<3>(material, full, is_displacement);
   if (material.law->kind == LawKind::small_strain) return P;
   const Matrix<3> F = is_displacement ? Matrix<3>(full + Matrix<3>::Identity()) : full;

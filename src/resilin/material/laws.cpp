@@ -10,6 +10,7 @@
 #include "resilin/material/catalog.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/law.hpp"
+#include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
 namespace {
@@ -90,7 +91,44 @@ const std::vector<LawInfo>& infos() {
   return table;
 }
 
+/// The twins in plane stress: after the laws, in their order.
+const std::vector<LawInfo>& plane_stress_infos() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const LawInfo& law : infos()) {
+      all.push_back(plane_stress_name(law.name));
+      all.push_back(plane_stress_name(law.title));
+    }
+    return all;
+  }();
+  static const std::vector<LawInfo> table = [] {
+    std::vector<LawInfo> all = infos();
+    for (LawInfo& law : all) {
+      const auto index = static_cast<std::size_t>(law.index);
+      law.name = names[2 * index];
+      law.title = names[2 * index + 1];
+      law.index += static_cast<int>(all.size());
+      if (!law.is_quadratic) {
+        law.inversion = "energy is infinite where the plane is inverted";
+        law.needs_positive_J = true;
+      }
+      law.uses_second_invariant = false;
+      law.has_volume_energy = false;
+    }
+    return all;
+  }();
+  return table;
+}
+
 }  // namespace
+
+std::string plane_stress_name(std::string_view law) { return std::string(law) + " in plane stress"; }
+
+bool is_plane_stress(const LawInfo& law) { return static_cast<std::size_t>(law.index) >= infos().size(); }
+
+const LawInfo& solid_law(const LawInfo& law) {
+  return infos()[static_cast<std::size_t>(law.index) % infos().size()];
+}
 
 std::vector<double> LawInfo::constants_from(const Hooke& hooke) const {
   std::vector<double> free;
@@ -117,6 +155,8 @@ std::vector<const LawInfo*> laws() {
 
 const LawInfo* find_law(std::string_view name) {
   for (const LawInfo& law : infos())
+    if (law.name == name) return &law;
+  for (const LawInfo& law : plane_stress_infos())
     if (law.name == name) return &law;
   return nullptr;
 }

@@ -1,6 +1,7 @@
 #include "resilin/scene/scene.hpp"
 
 #include "resilin/io/atomic_file.hpp"
+#include "resilin/material/plane_stress.hpp"
 #include "resilin/scene/tables.hpp"
 
 namespace resilin {
@@ -38,6 +39,15 @@ void refuse_fit(const SceneNode& root) {
                      "\" and no [[body]]; resilin fit FILE takes it");
 }
 
+/// In plane stress each body has the twins of its laws (material/plane_stress.hpp).
+void take_plane_stress(Description& d) {
+  for (BodyDescription& body : d.bodies) {
+    body.material.law = plane_stress_name(body.material.law);
+    for (RegionDescription& region : body.regions)
+      region.material.law = plane_stress_name(region.material.law);
+  }
+}
+
 void read_root(const SceneNode& root, Description& d) {
   refuse_fit(root);
   refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "tie", "constraint", "load", "collider",
@@ -56,6 +66,9 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);
   read_list(root, "section", d.sections, read_section);
+  if (root.has("simulation") && root.child("simulation").has("dimension") &&
+      is_plane_stress_dimension(root.child("simulation").child("dimension")))
+    take_plane_stress(d);
   if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one body with a mesh");
 }
 

@@ -5,6 +5,11 @@
 
 namespace resilin {
 
+bool is_plane_stress_dimension(const SceneNode& node) {
+  const auto* text = std::get_if<std::string>(&node.value->data);
+  return text != nullptr && *text == "plane_stress";
+}
+
 Keys<Description> simulation_keys() {
   using D = Description;
   const D defaults;
@@ -17,11 +22,17 @@ Keys<Description> simulation_keys() {
                if (kind == "modes") d.modes.emplace();
                node.context->is_dynamic = d.is_dynamic;
              }),
-      key<D>({"dimension", "2 or 3", "", default_text(defaults.dimension),
-              "3, or 2 for plane strain at unit thickness. It sets the length of every vector."},
+      key<D>({"dimension", "2, 3 or \"plane_stress\"", "", default_text(defaults.dimension),
+              "3, or 2 for plane strain at unit thickness. It sets the length of every vector. "
+              "`\"plane_stress\"`: 2 in [plane stress](materials.md#plane-stress), for thin sheets."},
              [](const SceneNode& node, D& d) {
-               const int dimension = read_integer(node);
-               if (dimension != 2 && dimension != 3) node.fail("2 or 3");
+               const std::string expected = "2, 3 or \"plane_stress\"";
+               int dimension = 2;
+               if (!is_plane_stress_dimension(node)) {
+                 if (std::holds_alternative<std::string>(node.value->data)) node.fail(expected);
+                 dimension = read_integer(node);
+                 if (dimension != 2 && dimension != 3) node.fail(expected);
+               }
                d.dimension = node.context->dimension = dimension;
              }),
       vector_key("gravity", &D::gravity, "m/s^2", "Gravitational acceleration."),

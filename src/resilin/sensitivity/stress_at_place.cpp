@@ -5,7 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/material/batch.hpp"
+#include "resilin/material/plane_stress.hpp"
 #include "resilin/mesh/cell_positions.hpp"
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/sensitivity/constant_slopes.hpp"
@@ -80,6 +80,9 @@ StressAtPlace::StressAtPlace(const World& world, const Body& body, const Vector3
                      "give the points by their reference positions");
   cell_ = embedding.cell(0);
   material_ = body.domains.material(cell_);
+  if (is_plane_stress(*material_.law))
+    throw InputError(place, "a stress in 3D or plane strain", "one in plane stress",
+                     "take displacements, forces or energies there");
   nodes_.assign(embedding.nodes(0).begin(), embedding.nodes(0).end());
   cell_positions(dim, nodes_, world.rest_positions, rest_);
   // Shape functions reproduce the reference coordinates.

@@ -6,6 +6,7 @@
 #include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/element/catalog.hpp"
+#include "resilin/material/plane_stress.hpp"
 #include "resilin/mesh/check.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/second_order.hpp"
@@ -50,6 +51,9 @@ const ElementInfo& named_element(const BodyDescription& body, int dim, const Ele
     throw InputError(place, join(fitting) + " or auto for " + std::string(name(c.cells)),
                      "\"" + body.element + "\"");
   }
+  if (element.has_mean_volume && is_plane_stress(c.law))
+    throw InputError(place, "a displacement element: in plane stress none locks by volume",
+                     "\"" + body.element + "\"", "use " + std::string(without_pressure(element).name));
   if (element.has_mean_volume && !c.law.has_volume_energy) {
     throw InputError(
         place,

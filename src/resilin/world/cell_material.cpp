@@ -8,6 +8,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/material/plane_stress.hpp"
 #include "resilin/material/rest_tangents.hpp"
 
 namespace resilin {
@@ -62,12 +63,17 @@ FibreDirections fibres_of_cells(const LawInfo& law, const MaterialDescription& m
       if (!(length > 0 && std::isfinite(length)))
         throw InputError(place + ", cell " + std::to_string(cell), "a direction other than zero",
                          "length " + format_number(length));
+      if (is_plane_stress(law) && std::abs((turn * direction)[2]) > 1e-12 * length)
+        throw InputError(place + ", cell " + std::to_string(cell),
+                         "a direction in the plane, in plane stress", "one that leaves it",
+                         "leave its third component zero or take plane strain");
       fibres.directions.push_back(turn * direction / length);
     }
   return fibres;
 }
 
 double largest_poissons_ratio(const LawInfo& law, const std::vector<double>& constants) {
+  if (is_plane_stress(law)) return 0;  // the thickness gives way to any pressure: nothing locks
   double largest = -1;
   for_each_rest_tangent(law, constants, [&largest](std::size_t, const double* A) {
     const double lambda = A[4], mu = A[9 + 1];  // dP_00/dF_11, dP_01/dF_01

@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
 namespace {
@@ -32,6 +33,9 @@ const ViscoelasticDescription* find_viscoelasticity(const BodyDescription& body)
 
 PronySeries prony_series(const ViscoelasticDescription& description, const LawInfo& law) {
   const auto& [place, g, tau, moduli, formulation] = description;
+  if (is_plane_stress(law))
+    throw InputError(place, "no viscoelastic material in plane stress", '"' + std::string(law.name) + '"',
+                     "leave viscoelastic out, or take plane strain or 3D");
   if (formulation == ViscoelasticForm::whole && law.kind == LawKind::small_strain)
     throw InputError(place, "a law of finite strain", '"' + std::string(law.name) + '"',
                      "choose another law or leave viscoelastic out");
