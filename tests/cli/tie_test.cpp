@@ -53,10 +53,7 @@ displacement = [0, 0, 0.2]
 
 [[tie]]
 name = "glue"
-body = "upper"
-where = { group = "z_min" }
-to = "lower"
-to_where = { group = "z_max" }
+surfaces = [{ body = "upper", where = { group = "z_min" } }, { body = "lower", where = { group = "z_max" } }]
 
 [newton]
 tolerance = 1e-12
@@ -106,8 +103,9 @@ TEST_F(Ties, PassHomogeneousTensionOn) {
 TEST_F(Ties, RefuseWhatTheyCannotDo) {
   EXPECT_THAT(error_with("body.upper.translate=[0,0,2]"), HasSubstr("face nothing within"));
   EXPECT_THAT(error_with("simulation.kind=dynamic"), HasSubstr("ties and constraints for dynamics"));
-  EXPECT_THAT(error_with("tie.0.to=upper"), HasSubstr("another body than `body`"));
-  EXPECT_THAT(error_with("tie.0.to=uper"), HasSubstr("one of lower, upper"));
+  EXPECT_THAT(error_with(R"(tie.0.surfaces=[{body="upper"}, {body="upper"}])"), HasSubstr("another body"));
+  EXPECT_THAT(error_with(R"(tie.0.surfaces=[{body="upper"}, {body="uper"}])"),
+              HasSubstr("one of lower, upper"));
 }
 
 }  // namespace

@@ -22,15 +22,39 @@ std::vector<double> read_numbers(const SceneNode& node) {
   return numbers;
 }
 
+void read_branches(const SceneNode& node, ViscoelasticDescription& v) {
+  struct Branch {
+    double g = 0, k = 0, tau = 0;
+  };
+  const Keys<Branch> keys = {number_key("g", &Branch::g, "", any_number, "Share in the moduli that relax."),
+                             number_key("k", &Branch::k, "", any_number, "Share in the bulk modulus."),
+                             number_key("tau", &Branch::tau, "s", any_number, "Relaxation time.")};
+  expect_list(node, "tables { g, tau }");
+  for (std::size_t i = 0; i < node.value->array().size(); ++i) {
+    Branch branch;
+    read_table(node.element(i), keys, branch);
+    if (branch.k != 0)
+      node.element(i).child("k").fail_with(
+          "the bulk modulus does not relax; leave k out, or let the whole stress relax: formulation = "
+          "\"whole\"");
+    v.g.push_back(branch.g);
+    v.tau.push_back(branch.tau);
+  }
+}
+
 Keys<ViscoelasticDescription> viscoelastic_keys() {
   using V = ViscoelasticDescription;
   return {
+      key<V>({"branches", "list of { g, tau }", "", "from g and tau",
+              "The branches one by one, in place of the lists g and tau."},
+             read_branches),
       key<V>(
-          {"g", "list of numbers > 0", "", "required",
+          {"g", "list of numbers > 0", "", "required without branches",
            "Share of each branch in the moduli that relax; all sum to less than 1 for instantaneous moduli."},
           [](const SceneNode& node, V& v) { v.g = read_numbers(node); }),
-      key<V>({"tau", "list of numbers > 0", "s", "required", "Relaxation time of each branch."},
-             [](const SceneNode& node, V& v) { v.tau = read_numbers(node); }),
+      key<V>(
+          {"tau", "list of numbers > 0", "s", "required without branches", "Relaxation time of each branch."},
+          [](const SceneNode& node, V& v) { v.tau = read_numbers(node); }),
       choice_key("moduli", &V::moduli,
                  "The moduli that the constants of the law describe: under a sudden load, or after a long "
                  "time; g are fractions of these moduli."),
@@ -45,6 +69,8 @@ void read_viscoelastic(const SceneNode& node, MaterialDescription& material) {
   ViscoelasticDescription& viscoelastic = material.viscoelastic.emplace();
   viscoelastic.place = node.place();
   read_table(node, viscoelastic_keys(), viscoelastic);
+  if (node.has("branches") && (node.has("g") || node.has("tau")))
+    node.child("branches").fail_with("give either branches or the lists g and tau");
 }
 
 Keys<MaterialDescription> material_keys() {

@@ -40,23 +40,40 @@ std::vector<std::string> keys_of(ConstraintKind kind) {
   return {"body", "components", "gradient", "time_function"};
 }
 
+Keys<TiedSurface> tied_surface_keys() {
+  using S = TiedSurface;
+  return {
+      key<S>({"body", "text", "", "required", "Name of the body."},
+             [](const SceneNode& node, S& s) { s.body = read_text(node); }),
+      key<S>({"where", "[where](#where)", "", "the whole surface", "Facets with all vertices selected."},
+             [](const SceneNode& node, S& s) { read_where(node, s.where); }),
+  };
+}
+
+void read_surface(const SceneNode& node, TiedSurface& surface) {
+  surface.place = node.place();
+  read_table(node, tied_surface_keys(), surface);
+}
+
 }  // namespace
 
 Keys<TieDescription> tie_keys() {
   using T = TieDescription;
   return {
-      text_key("name", &T::name, "tie[0] ...", "Name of the force in the report: that on `body`."),
-      key<T>({"body", "text", "", "required", "Body whose surface follows; the one with finer facets."},
-             [](const SceneNode& node, T& t) { t.body = read_text(node); }),
-      key<T>({"where", "[where](#where)", "", "required", "Its surface: facets with all vertices selected."},
-             [](const SceneNode& node, T& t) { read_where(node, t.where); }),
-      key<T>({"to", "text", "", "required", "Body that it is tied to."},
-             [](const SceneNode& node, T& t) { t.to = read_text(node); }),
-      key<T>({"to_where", "[where](#where)", "", "its whole surface", "Surface of that body."},
-             [](const SceneNode& node, T& t) { read_where(node, t.to_where); }),
-      key<T>({"close", "true or false", "", default_text(T{}.closes_gap),
-              "Whether an initial gap is closed; else it stays."},
-             [](const SceneNode& node, T& t) { t.closes_gap = read_flag(node); }),
+      text_key("name", &T::name, "tie[0] ...",
+               "Name of the force in the report: that on the surface that follows."),
+      key<T>({"surfaces", "two tables { body, where }", "", "required",
+              "The surface that follows, the one with finer facets, and the one that it follows; without "
+              "`where` all of a body's surface."},
+             [](const SceneNode& node, T& t) {
+               expect_list(node, "tables { body, where }", 2);
+               for (std::size_t i = 0; i < t.surfaces.size(); ++i)
+                 read_surface(node.element(i), t.surfaces[i]);
+             }),
+      key<T>({"gap", "\"keep\" or \"close\"", "", "\"keep\"", "What becomes of an initial gap."},
+             [](const SceneNode& node, T& t) {
+               t.closes_gap = read_choice(node, {"keep", "close"}) == "close";
+             }),
       key<T>({"max_distance", "number > 0", "m", "half the size of the following facets",
               "Largest initial distance of the surfaces."},
              [](const SceneNode& node, T& t) { t.max_distance = read_number(node, positive); }),

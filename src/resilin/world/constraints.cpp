@@ -74,12 +74,13 @@ CellBlock Maker::facets_of(const Where& where, std::size_t body, const std::stri
 }
 
 void Maker::add(const TieDescription& tie) {
-  const std::size_t body = body_named(world_, tie.body, tie.place + ".body");
-  const std::size_t to = body_named(world_, tie.to, tie.place + ".to");
-  if (body == to) throw InputError(tie.place + ".to", "another body than `body`", "\"" + tie.to + "\" twice");
+  const auto& [follower, leader] = tie.surfaces;
+  const std::size_t body = body_named(world_, follower.body, follower.place + ".body");
+  const std::size_t to = body_named(world_, leader.body, leader.place + ".body");
+  if (body == to) throw InputError(leader.place + ".body", "another body", "\"" + leader.body + "\" twice");
   if (tie.max_distance) require_positive(*tie.max_distance, tie.place + ".max_distance");
-  const CellBlock facets = facets_of(tie.where, body, tie.place + ".where");
-  const CellBlock leader = facets_of(tie.to_where, to, tie.place + ".to_where");
+  const CellBlock facets = facets_of(follower.where, body, follower.place + ".where");
+  const CellBlock leading = facets_of(leader.where, to, leader.place + ".where");
   const double max_distance = tie.max_distance.value_or(0.5 * mean_size(dim_, facets, world_.rest_positions));
   const auto is_plain = [&](Index node) {
     for (int k = 0; k < dim_; ++k)
@@ -87,7 +88,7 @@ void Maker::add(const TieDescription& tie) {
     return false;
   };
   const std::vector<MortarRow> rows =
-      mortar_rows(dim_, facets, leader, world_.rest_positions, max_distance, is_plain, tie.place);
+      mortar_rows(dim_, facets, leading, world_.rest_positions, max_distance, is_plain, tie.place);
   const std::size_t owner = system_.add_name(tie.name);
   for (int k = 0; k < dim_; ++k) tie_component(owner, k, rows, tie.closes_gap, tie.place);
 }
@@ -269,13 +270,15 @@ std::shared_ptr<const LinearConstraints> make_constraints(const Description& des
 ContactDescription contact_beside_ties(const Description& description) {
   ContactDescription contact = description.contact;
   for (const TieDescription& tie : description.ties) {
+    const auto& follower = tie.surfaces[0];
+    const auto& leader = tie.surfaces[1];
     const auto is_theirs = [&](const ContactPairDescription& pair) {
-      return (pair.bodies[0] == tie.body && pair.bodies[1] == tie.to) ||
-             (pair.bodies[0] == tie.to && pair.bodies[1] == tie.body);
+      return (pair.bodies[0] == follower.body && pair.bodies[1] == leader.body) ||
+             (pair.bodies[0] == leader.body && pair.bodies[1] == follower.body);
     };
     if (std::ranges::none_of(contact.pairs, is_theirs))
       contact.pairs.push_back(
-          {.place = tie.place, .bodies = {tie.body, tie.to}, .is_enabled = false, .friction = {}});
+          {.place = tie.place, .bodies = {follower.body, leader.body}, .is_enabled = false, .friction = {}});
   }
   return contact;
 }

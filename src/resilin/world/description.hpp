@@ -262,16 +262,18 @@ struct ContactDescription {
   std::vector<ContactPairDescription> pairs;
 };
 
-/// A surface that follows that of another body, as if glued to it; their meshes need not match.
+/// A surface that a tie glues to another one; their meshes need not match.
+struct TiedSurface {
+  std::string place = "tie.surfaces";
+  std::string body;
+  Where where;
+};
 struct TieDescription {
   std::string place = "tie";
-  std::string name;  ///< name of the force in the report
-  std::string body;  ///< body of the surface that follows ...
-  Where where;
-  std::string to;  ///< ... the surface of this one
-  Where to_where;
-  bool closes_gap = false;             ///< the surfaces are brought together; else the gap at rest stays
-  std::optional<double> max_distance;  ///< [m]; default half the size of the facets that follow
+  std::string name;                     ///< name of the force in the report
+  std::array<TiedSurface, 2> surfaces;  ///< the first follows the second
+  bool closes_gap = false;              ///< the surfaces are brought together; else the gap at rest stays
+  std::optional<double> max_distance;   ///< [m]; default half the size of the facets that follow
 };
 
 /// Forms of a linear constraint.
@@ -293,7 +295,7 @@ struct ConstraintTerm {
 struct ConstraintDescription {
   std::string place = "constraint";
   std::string name;  ///< name of the force in the report
-  ConstraintKind kind = ConstraintKind::equal;
+  ConstraintKind kind = ConstraintKind::equation;
   std::string body;
   Where where;                                          ///< equal
   std::array<bool, 3> components = {true, true, true};  ///< equal; the axes of pairs of faces where periodic

@@ -38,7 +38,8 @@ RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, 
 RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled, friction)
 RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness,
                 friction, friction_speed, friction_iterations, pairs)
-RESILIN_MEMBERS(TieDescription, place, name, body, where, to, to_where, closes_gap, max_distance)
+RESILIN_MEMBERS(TiedSurface, place, body, where)
+RESILIN_MEMBERS(TieDescription, place, name, surfaces, closes_gap, max_distance)
 RESILIN_MEMBERS(ConstraintTerm, place, body, where, axis, coefficient)
 RESILIN_MEMBERS(ConstraintDescription, place, name, kind, body, where, components, terms, value, gradient,
                 time_function)

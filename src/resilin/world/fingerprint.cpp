@@ -301,6 +301,9 @@ class Entries {
   void add(const std::string& key, const std::vector<ContactPairDescription>& pairs) {
     for (const ContactPairDescription& pair : pairs) add(key, pair);
   }
+  void add(const std::string& key, const std::array<TiedSurface, 2>& surfaces) {
+    for (std::size_t i = 0; i < surfaces.size(); ++i) add(key + "." + std::to_string(i), surfaces[i]);
+  }
   void add(const std::string& key, const std::vector<ConstraintTerm>& terms) {
     for (std::size_t i = 0; i < terms.size(); ++i) add(key + "." + std::to_string(i), terms[i]);
   }

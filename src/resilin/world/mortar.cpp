@@ -311,7 +311,7 @@ class Mortar {
     if (covered > 1.001 * whole) {
       throw InputError(place, "one surface opposite",
                        "several facets opposite each other near " + place_of(nodes),
-                       "select the side that is meant (to_where), or lower max_distance");
+                       "select the side that is meant with `where`, or lower max_distance");
     }
     const Eigen::MatrixXd dual = sizes.asDiagonal() * mass.inverse();
     for (Eigen::Index a = 0; a < n; ++a) row(nodes[static_cast<std::size_t>(a)]).own += sizes[a];

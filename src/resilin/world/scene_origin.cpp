@@ -83,10 +83,8 @@ Description with_origin(const Description& description, const Vector3& origin) {
   Description moved = description;
   for (BodyDescription& body : moved.bodies) move(body, description.dimension, by);
   for (FixDescription& fix : moved.fixes) move(fix, by);
-  for (TieDescription& tie : moved.ties) {
-    move(tie.where, by);
-    move(tie.to_where, by);
-  }
+  for (TieDescription& tie : moved.ties)
+    for (TiedSurface& surface : tie.surfaces) move(surface.where, by);
   for (ConstraintDescription& constraint : moved.constraints) {
     move(constraint.where, by);
     for (ConstraintTerm& term : constraint.terms) move(term.where, by);
