@@ -155,8 +155,9 @@ TEST_P(EveryIntegrator, FeedsNoVibrationThatItDoesNotResolve) {
 /// A mass point of 1 kg over a floor at z = 0 that pushes it up by k z inside: how a stage takes a force of
 /// contact, without finite elements.
 struct PointOverFloor {
-  double k;  ///< [N/m]
-  double g;  ///< downwards [m/s^2]
+  double k;                               ///< [N/m]
+  double g;                               ///< downwards [m/s^2]
+  double mean_force = 0, last_force = 0;  ///< force of the floor, over the last step and at its end [N]
 
   double energy(const Motion& m) const {
     const double z = m.positions[0], depth = std::min(z, 0.0);
@@ -170,28 +171,33 @@ struct PointOverFloor {
     const double stiffness = stage.contact_weight * e * k;
     return (free / s + stiffness * shift) / (1 / s + stiffness * e);
   }
+  /// Force of the floor at the end of the stage [N].
+  double force(const Stage& stage, double x) const {
+    const double e = stage.end_slope();
+    return -k * std::min(e * x - (e - 1) * stage.base_positions[0], 0.0);
+  }
   /// One step; what the force of contact does to the velocity is kept out of the history.
-  void advance(const Integrator& integrator, History& history, double dt) const {
+  void advance(const Integrator& integrator, History& history, double dt) {
+    mean_force = 0;
     History seen = history;
     std::vector<Motion> solutions;
     VectorX jump;
-    double effect = 0;
     for (int i = 0; i < integrator.num_stages(); ++i) {
       const Stage stage = integrator.begin_stage(i, seen, solutions, dt);
       Motion found = stage.motion(VectorX::Constant(1, solve(stage)));
-      jump = stage.duration * stage.end_slope() * (found.accelerations.array() + g);
+      jump = stage.jump_by(VectorX::Constant(1, force(stage, found.positions[0]) * stage.count_of_impulse()));
       found.accelerations.setConstant(-g);
-      const double elapsed = (stage.is_mean ? 1 : stage.time_fraction) * dt;
-      effect = stage.duration;
-      follow_jump(jump, elapsed, effect, seen.now.positions, seen.now.velocities);
+      mean_force += jump[0] / dt;
+      last_force = force(stage, found.positions[0]);
+      follow_jump(jump, stage.time_from_start(dt), found, seen.now.positions, seen.now.velocities);
       solutions.push_back(found);
     }
-    History next{.now = integrator.finish(history, std::move(solutions), dt),
+    History next{.now = integrator.finish(history, solutions, dt),
                  .previous_positions = history.now.positions,
                  .previous_velocities = history.now.velocities,
                  .previous_time_step = dt};
     if (integrator.num_stages() == 1)
-      follow_jump(jump, dt, effect, next.previous_positions, next.previous_velocities);
+      follow_jump(jump, dt, next.now, next.previous_positions, next.previous_velocities);
     history = next;
   }
 };
@@ -203,7 +209,7 @@ TEST_P(EveryIntegrator, GainsNoEnergyOnAFloor) {
   for (const double k : {1.0, 1e3, 1e9}) {
     for (const double speed : {0.0, 1.0, 100.0}) {
       for (const double dt : {1e-4, 1e-2, 0.3, 3.0}) {
-        const PointOverFloor point{.k = k, .g = speed == 1 ? 0.0 : 9.81};
+        PointOverFloor point{.k = k, .g = speed == 1 ? 0.0 : 9.81};
         History history{.now = at(1.5 * dt * (speed + 1), -speed)};
         history.now.accelerations = VectorX::Constant(1, -point.g);
         double energy = point.energy(history.now);
@@ -218,6 +224,26 @@ TEST_P(EveryIntegrator, GainsNoEnergyOnAFloor) {
         }
         // With speed 1 a step ends where the floor begins, up to rounding.
         EXPECT_LE(speed == 0 ? 0 : lowest, 1e-14 * dt) << "it has not touched the floor";
+      }
+    }
+  }
+}
+
+/// Where the floor bears it, a point has no velocity, and the floor's force is its weight in every stage:
+/// impulses move what rests as far up as weight moves it down.
+TEST_P(EveryIntegrator, RestsOnAFloor) {
+  for (const double k : {1e3, 1e9}) {
+    for (const double dt : {1e-4, 1e-2, 0.3}) {
+      PointOverFloor point{.k = k, .g = 9.81};
+      const double place = -point.g / k;
+      History history{.now = at(place, 0)};
+      history.now.accelerations = VectorX::Constant(1, -point.g);
+      for (int step = 0; step < 20; ++step) {
+        point.advance(*integrator, history, dt);
+        ASSERT_NEAR(history.now.velocities[0], 0, 1e-9 * point.g * dt) << "step " << step;
+        ASSERT_NEAR(history.now.positions[0], place, 1e-9 * (point.g * dt * dt - place));
+        ASSERT_NEAR(point.mean_force, point.g, 1e-6 * point.g);
+        ASSERT_NEAR(point.last_force, point.g, 1e-6 * point.g);
       }
     }
   }

@@ -1,6 +1,7 @@
 #include "resilin/contact/friction.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -29,6 +30,18 @@ Tangents tangents(int dim, const Vector3& normal) {
   T.col(0) = normal.cross(Vector3::Unit(axis)).normalized();
   T.col(1) = normal.cross(Vector3(T.col(0)));
   return T;
+}
+
+/// Length of the way of a point whose velocity goes evenly from a to b, in a time of one. By Simpson's rule
+/// on both sides of where it is slowest: exact along a line, turned back or not.
+double length_of_way(const Slip& a, const Slip& b) {
+  const Slip d = b - a;
+  const double slowest = d.squaredNorm() > 0 ? std::clamp(-a.dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
+  const auto speed = [&](double time) { return (a + time * d).norm(); };
+  const auto part = [&](double from, double to) {
+    return (to - from) / 6 * (speed(from) + 4 * speed(0.5 * (from + to)) + speed(to));
+  };
+  return part(0, slowest) + part(slowest, 1);
 }
 
 Slip unit(const Slip& u) {
@@ -323,13 +336,20 @@ void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projecti
   }
 }
 
+// The slip velocity goes evenly to that at the end, by the same way. The work of the force along the way is
+// less where the velocity turns back: the rest is what the scheme adds to the motion.
 double LaggedFriction::dissipation(const VectorX& from, const VectorX& to, double duration) const {
-  double work = 0;
+  double heat = 0;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const FrictionContacts::Entry entry = contacts_[i];
-    work -= force(entry, to).dot(way(entry, from, to) - duration * entry.contact.velocity);
+    const Tangents T = tangents(friction_.dim(), entry.contact.normal);
+    const Slip path = T.transpose() * (way(entry, from, to) - duration * entry.contact.velocity);
+    const Slip u = slip(entry, T, to);
+    const Slip end = time_ > 0 ? Slip(duration / time_ * u) : path;
+    const double force = entry.contact.limit * std::min(1.0, slip_.slope_over_slip(u.norm()) * u.norm());
+    heat += force * length_of_way(2 * path - end, end);
   }
-  return work;
+  return heat;
 }
 
 }  // namespace resilin

@@ -95,7 +95,7 @@ class LaggedFriction final : public BasicEnergy {
   void for_each_force(const VectorX& x, const Visit& visit) const {
     for (std::size_t i = 0; i < contacts_.size(); ++i) visit(contacts_[i], force(contacts_[i], x));
   }
-  /// Work of the forces at `to` along the way: less than nothing only where contacts turn back on it.
+  /// Heat: the sizes of the forces at `to` times the ways that contacts slip, turned back or not.
   double dissipation(const VectorX& from, const VectorX& to, double duration) const override;
 
  private:

@@ -76,15 +76,14 @@ Stage Integrator::begin_stage(int stage, const History& start, const std::vector
   return begun;
 }
 
-void follow_jump(const VectorX& jump, double elapsed, double effect, VectorX& positions,
+void follow_jump(const VectorX& jump, double elapsed, const Motion& end, VectorX& positions,
                  VectorX& velocities) {
-  positions -= (elapsed - effect) * jump;
+  positions = (jump.array() != 0).select(end.positions - elapsed * end.velocities, positions);
   velocities += jump;
 }
 
-VectorX slopes_by_jump(double elapsed, double effect, const VectorX& by_positions,
-                       const VectorX& by_velocities) {
-  return by_velocities - (elapsed - effect) * by_positions;
+VectorX where_jumps(const VectorX& jump, const VectorX& values) {
+  return (jump.array() != 0).select(values, VectorX::Zero(values.size()));
 }
 
 Motion Integrator::finish(const History& start, std::vector<Motion> solutions, double time_step) const {

@@ -22,6 +22,22 @@ Stage zero_stage(const Stage& stage) {
   return {.base_positions = zero, .base_velocities = zero, .duration = stage.duration, .shape = zero};
 }
 
+/// Changes of a known motion after the impulse of a stage, see follow_jump.
+void change_after_impulse(const StageReplay& at, const VectorX& jump, double dt, const Motion& end,
+                          VectorX& positions, VectorX& velocities) {
+  positions -= where_jumps(at.by_impulses, positions);
+  positions += where_jumps(at.by_impulses, end.positions - at.stage.time_from_start(dt) * end.velocities);
+  velocities += jump;
+}
+
+/// Transposed: moves slopes by the positions of the known motion on to those by the end of the stage.
+void slopes_after_impulse(const StageReplay& at, double dt, VectorX& by_positions, Motion& by_end) {
+  const VectorX by_place = where_jumps(at.by_impulses, by_positions);
+  by_positions -= by_place;
+  by_end.positions += by_place;
+  by_end.velocities -= at.stage.time_from_start(dt) * by_place;
+}
+
 /// Takes the fixed unknowns out of a motion.
 Motion take_fixed(const World& world, Motion& motion) {
   Motion taken = zero_motion(motion.positions.size());
@@ -119,15 +135,14 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
         -accelerations_by(world_, of_impulses + mass_changes(at.by_impulses, of_terms));
     solutions.back().accelerations -= by_impulses;
     jump = at.stage.jump_by(by_impulses);
-    follow_jump(jump, at.stage.time_from_start(dt), at.stage.duration, seen.now.positions,
-                seen.now.velocities);
+    change_after_impulse(at, jump, dt, solutions.back(), seen.now.positions, seen.now.velocities);
   }
   History next{.now = scheme_.finish(start, std::move(solutions), dt),
                .previous_positions = start.now.positions,
                .previous_velocities = start.now.velocities};
   if (jump.size() > 0)
-    follow_jump(jump, dt, step.stages.back().stage.duration, next.previous_positions,
-                next.previous_velocities);
+    change_after_impulse(step.stages.back(), jump, dt, next.now, next.previous_positions,
+                         next.previous_velocities);
   take_fixed(world_, next.now);
   next.now.positions += end_prescribed.positions;
   next.now.velocities += end_prescribed.velocities;
@@ -141,15 +156,20 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
   const Eigen::Index size = world_.rest_positions.size();
   History by_start = zero_history(size), by_seen = by_start;  // as `seen` of a step forward
   by_start.previous_time_step = by_seen.previous_time_step = step.start.previous_time_step;
-  by_start.now.positions += by_next.previous_positions;
-  by_start.now.velocities += by_next.previous_velocities;
+  VectorX by_previous = by_next.previous_positions;
   Motion by_end = by_next.now;
+  if (scheme_.looks_back() && step.stages.back().by_impulses.size() > 0)
+    slopes_after_impulse(step.stages.back(), dt, by_previous, by_end);
+  by_start.now.positions += by_previous;
+  by_start.now.velocities += by_next.previous_velocities;
   Motion by_end_prescribed = take_fixed(world_, by_end);
   std::vector<Motion> by_solutions(step.stages.size(), zero_motion(size));
   scheme_.add_slopes_of_end(by_end, dt, by_start, by_solutions);
   for (std::size_t i = step.stages.size(); i-- > 0;) {
     const StageReplay& at = step.stages[i];
-    const Motion& by_motion = by_solutions[i];
+    Motion& by_motion = by_solutions[i];
+    if (scheme_.looks_back() && at.by_impulses.size() > 0)
+      slopes_after_impulse(at, dt, by_seen.now.positions, by_motion);
     const double c = at.stage.duration;
     Stage by_stage = zero_stage(at.stage);
     // v = (x - x_0) / c, a = (v - v_0) / c
@@ -164,10 +184,8 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     if (at.by_impulses.size() > 0) {
       VectorX of_impulses = VectorX::Zero(size);
       if (scheme_.looks_back()) {
-        const double elapsed = at.stage.time_from_start(dt);
-        VectorX by_jump = slopes_by_jump(elapsed, c, by_seen.now.positions, by_seen.now.velocities);
-        if (is_last)
-          by_jump += slopes_by_jump(elapsed, c, by_next.previous_positions, by_next.previous_velocities);
+        VectorX by_jump = by_seen.now.velocities;
+        if (is_last) by_jump += by_next.previous_velocities;
         of_impulses = accelerations_by(world_, by_motion.accelerations - at.stage.jump_by(by_jump));
         add_mass_slopes(of_impulses, at.by_impulses, by_terms);
       }

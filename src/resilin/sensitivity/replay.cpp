@@ -48,12 +48,12 @@ VectorX impulses_apart(const World& world, const Integrator& scheme, const Stage
   return impulses.isZero(0) ? VectorX() : accelerations_by(world, -impulses);
 }
 
-/// Follows the state at the start of a step after an impulse in one of its stages.
-void follow_impulse(const Integrator& scheme, const StageReplay& stage, double time_step, VectorX& positions,
-                    VectorX& velocities) {
+/// Follows the state at the start of a step after an impulse in one of its stages, which ended in `end`.
+void follow_impulse(const Integrator& scheme, const StageReplay& stage, const Motion& end, double time_step,
+                    VectorX& positions, VectorX& velocities) {
   if (!scheme.looks_back() || stage.by_impulses.size() == 0) return;
-  follow_jump(stage.stage.jump_by(stage.by_impulses), stage.stage.time_from_start(time_step),
-              stage.stage.duration, positions, velocities);
+  follow_jump(stage.stage.jump_by(stage.by_impulses), stage.stage.time_from_start(time_step), end, positions,
+              velocities);
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ StepReplay replay_step(const World& world, const Integrator& scheme, const Histo
     StageReplay& made = step.stages.back();
     made.by_impulses = by_impulses.empty() ? impulses_apart(world, scheme, made) : std::move(by_impulses[i]);
     if (scheme.looks_back() && made.by_impulses.size() > 0) made.motion.accelerations -= made.by_impulses;
-    follow_impulse(scheme, made, time_step, seen.now.positions, seen.now.velocities);
+    follow_impulse(scheme, made, made.motion, time_step, seen.now.positions, seen.now.velocities);
     solutions.push_back(made.motion);
   }
   return step;
@@ -93,7 +93,7 @@ History history_after(const World& world, const Integrator& scheme, const StepRe
                .previous_positions = step.start.now.positions,
                .previous_velocities = step.start.now.velocities,
                .previous_time_step = step.time_step};
-  follow_impulse(scheme, step.stages.back(), step.time_step, next.previous_positions,
+  follow_impulse(scheme, step.stages.back(), next.now, step.time_step, next.previous_positions,
                  next.previous_velocities);
   prescribe_motion_at(world, step.time + step.time_step, next.now);
   return next;

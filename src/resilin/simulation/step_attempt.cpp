@@ -69,16 +69,17 @@ void TimeStepper::Attempt::move(const World& world, State& state, double time_st
   state.previous_velocities = std::move(state.velocities);
   state.previous_time_step = time_step;
   state.time = time;
-  state.positions = std::move(end.positions);
-  state.velocities = std::move(end.velocities);
   state.accelerations = std::move(end.accelerations);
   state.collider_delay = collider_delay;
   state.friction_work += friction_work;
   state.dissipated_energy += friction_work;
-  if (jump.size() > 0)
-    follow_jump(jump, time_step, jump_effect, state.previous_positions, state.previous_velocities);
-  if (slowing.size() > 0)
-    follow_jump(slowing, time_step, 0, state.previous_positions, state.previous_velocities);
+  if (slowing.size() > 0) {
+    state.previous_positions -= time_step * slowing;
+    state.previous_velocities += slowing;
+  }
+  if (jump.size() > 0) follow_jump(jump, time_step, end, state.previous_positions, state.previous_velocities);
+  state.positions = std::move(end.positions);
+  state.velocities = std::move(end.velocities);
   state.energy_excess = energy_excess;
   state.largest_kinetic_energy = largest_kinetic_energy;
   if (is_guarded()) ++state.guarded_steps;

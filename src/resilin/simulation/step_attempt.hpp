@@ -25,7 +25,6 @@ struct TimeStepper::Attempt {
   bool touches = false;             ///< contact acts, or would if the step had been found
   VectorX contact_accelerations{};  ///< at the end, where they are wanted; empty: none [m/s^2]
   VectorX jump{};                   ///< jump of the velocities by contact in the last stage, the same
-  double jump_effect = 0;           ///< see follow_jump [s]
   VectorX slowing{};                ///< slowing of the velocities, lest the step add energy; empty: none
   double energy_excess = 0, largest_kinetic_energy = 0;  ///< as in State
 

@@ -147,8 +147,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
         found.accelerations -= by_contact;
         attempt.contact_accelerations = by_contact / often;
         attempt.jump = stage.jump_by(by_contact);
-        attempt.jump_effect = stage.duration;
-        follow_jump(attempt.jump, stage.time_from_start(time_step), stage.duration, seen.now.positions,
+        follow_jump(attempt.jump, stage.time_from_start(time_step), found, seen.now.positions,
                     seen.now.velocities);
       }
     }
