@@ -88,16 +88,20 @@ struct Ties : ::testing::Test {
 };
 
 TEST_F(Ties, PassHomogeneousTensionOn) {
-  const nlohmann::json frame = last_frame({});
-  const auto middle = frame["probes"]["middle"]["displacement"], far = frame["probes"]["far"]["displacement"];
-  EXPECT_NEAR(double(middle[2]), 0.1, 1e-10);
-  EXPECT_NEAR(double(far[2]), 0.15, 1e-10);
-  EXPECT_NEAR(double(middle[0]), 0.5 * double(far[0]), 1e-10);
-  EXPECT_NEAR(double(far[0]), double(far[1]), 1e-10);
-  const double pull = frame["reactions"]["pull"][2];
-  EXPECT_GT(pull, 0.15);
-  EXPECT_NEAR(double(frame["reactions"]["glue"][2]), -pull, 1e-10);
-  EXPECT_NEAR(double(frame["reactions"]["foot"][2]), -pull, 1e-10);
+  for (const std::string element : {"P1", "P2"}) {
+    SCOPED_TRACE(element);
+    const nlohmann::json frame = last_frame({"body.0.element=" + element, "body.1.element=" + element});
+    const auto middle = frame["probes"]["middle"]["displacement"],
+               far = frame["probes"]["far"]["displacement"];
+    EXPECT_NEAR(double(middle[2]), 0.1, 1e-10);
+    EXPECT_NEAR(double(far[2]), 0.15, 1e-10);
+    EXPECT_NEAR(double(middle[0]), 0.5 * double(far[0]), 1e-10);
+    EXPECT_NEAR(double(far[0]), double(far[1]), 1e-10);
+    const double pull = frame["reactions"]["pull"][2];
+    EXPECT_GT(pull, 0.15);
+    EXPECT_NEAR(double(frame["reactions"]["glue"][2]), -pull, 1e-10);
+    EXPECT_NEAR(double(frame["reactions"]["foot"][2]), -pull, 1e-10);
+  }
 }
 
 TEST_F(Ties, RefuseWhatTheyCannotDo) {

@@ -9,6 +9,7 @@
 #include "resilin/element/jacobian_bound.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/world/body_overlap.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -141,6 +142,8 @@ std::vector<std::string> oddities(const World& world, const State& state) {
   const std::vector<BodyOverlap> before =
       overlapping_bodies(world, world.start_positions, world.contact.get());
   for (const BodyOverlap& overlap : now) {
+    // Tied surfaces meet in the mean alone.
+    if (world.constraints && world.constraints->ties(overlap.body, overlap.other)) continue;
     const bool is_old = std::ranges::any_of(before, [&](const BodyOverlap& other) {
       return other.body == overlap.body && other.other == overlap.other;
     });

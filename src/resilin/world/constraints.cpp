@@ -42,7 +42,11 @@ class Maker {
 
   void add(const TieDescription& tie);
   void add(const ConstraintDescription& constraint);
-  std::shared_ptr<const LinearConstraints> build() const { return system_.build(); }
+  std::shared_ptr<const LinearConstraints> build() const {
+    const std::shared_ptr<LinearConstraints> all = system_.build();
+    if (all) all->tied_bodies = tied_bodies_;
+    return all;
+  }
 
  private:
   std::vector<Index> nodes_of(const Where& where, std::size_t body, const std::string& place) const;
@@ -58,6 +62,7 @@ class Maker {
   int dim_;
   std::vector<std::int32_t> support_of_;
   RelationSystem system_;
+  std::vector<std::array<std::size_t, 2>> tied_bodies_;
 };
 
 std::vector<Index> Maker::nodes_of(const Where& where, std::size_t body, const std::string& place) const {
@@ -79,6 +84,7 @@ void Maker::add(const TieDescription& tie) {
   const std::size_t to = body_named(world_, leader.body, leader.place + ".body");
   if (body == to) throw InputError(leader.place + ".body", "another body", "\"" + leader.body + "\" twice");
   if (tie.max_distance) require_positive(*tie.max_distance, tie.place + ".max_distance");
+  tied_bodies_.push_back({body, to});
   const CellBlock facets = facets_of(follower.where, body, follower.place + ".where");
   const CellBlock leading = facets_of(leader.where, to, leader.place + ".where");
   const double max_distance = tie.max_distance.value_or(0.5 * mean_size(dim_, facets, world_.rest_positions));

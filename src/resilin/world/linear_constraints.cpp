@@ -17,23 +17,39 @@ constexpr double negligible_coefficient = 1e-12;  ///< relative to the largest o
 
 }  // namespace
 
+bool LinearConstraints::ties(std::size_t body, std::size_t other) const {
+  return std::ranges::any_of(tied_bodies, [&](const std::array<std::size_t, 2>& pair) {
+    return pair == std::array{body, other} || pair == std::array{other, body};
+  });
+}
+
 std::vector<Reaction> LinearConstraints::reactions(int dim, const VectorX& gradient,
                                                    const VectorX& positions) const {
   std::vector<Reaction> found(names.size());
   VectorX forces = gradient;  // chains pass their forces on
   std::vector<bool> is_face(names.size(), false);
+  std::map<Index, std::size_t> owner_of;
+  for (const auto& [owner, relation] : stated) owner_of.emplace(relation.unknown, owner);
   for (const auto& [owner, unknown, share] : on_faces) {
     is_face[owner] = true;
     found[owner].force[unknown % dim] += share * gradient[unknown];
   }
-  for (const auto& [owner, relation] : stated) {
-    const Index i = relation.unknown;
+  const auto add = [&](std::size_t owner, Index unknown, double value) {
+    if (is_face[owner]) return;
     Vector3 force = Vector3::Zero();
-    force[i % dim] = forces[i];
-    if (!is_face[owner]) found[owner].force += force;
-    if (!is_face[owner]) found[owner].torque += node_position(dim, i / dim, positions).cross(force);
-    for (const Weight& weight : relation.by)
-      if (dependents.is_dependent(weight.unknown)) forces[weight.unknown] += weight.value * forces[i];
+    force[unknown % dim] = value;
+    found[owner].force += force;
+    found[owner].torque += node_position(dim, unknown / dim, positions).cross(force);
+  };
+  for (const auto& [owner, relation] : stated) {
+    const double force = forces[relation.unknown];
+    add(owner, relation.unknown, force);
+    for (const Weight& weight : relation.by) {
+      if (!dependents.is_dependent(weight.unknown)) continue;
+      forces[weight.unknown] += weight.value * force;
+      // A part that others of the same name take stays within the surface.
+      if (owner_of.at(weight.unknown) == owner) add(owner, weight.unknown, -weight.value * force);
+    }
   }
   return found;
 }
@@ -152,7 +168,7 @@ void RelationSystem::add_equation(std::size_t owner, std::vector<Weight> terms,
   follow(owner, chosen.unknown, std::move(by), std::move(constants), place);
 }
 
-std::shared_ptr<const LinearConstraints> RelationSystem::build() const {
+std::shared_ptr<LinearConstraints> RelationSystem::build() const {
   if (entries_.empty()) return nullptr;
   // Relations that were added after the ones that they appear in are put in place there.
   std::vector<Dependents::Relation> relations;
@@ -202,13 +218,14 @@ std::shared_ptr<const LinearConstraints> RelationSystem::build() const {
       if (--num_followers[of] == 0) order.push_back(of);
     });
   }
-  return std::make_shared<const LinearConstraints>(LinearConstraints{
+  return std::make_shared<LinearConstraints>(LinearConstraints{
       .dependents = Dependents(dim_, static_cast<Index>(rest_positions_.size()), std::move(relations)),
       .constants = std::move(constants),
       .functions = functions_,
       .names = names_,
       .stated = std::move(stated),
-      .on_faces = std::move(on_faces)});
+      .on_faces = std::move(on_faces),
+      .tied_bodies = {}});
 }
 
 }  // namespace resilin

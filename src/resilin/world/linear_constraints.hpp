@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -39,6 +40,9 @@ struct LinearConstraints {
   std::vector<Stated> stated;      ///< no relation comes before one that follows it
   std::vector<OnFace> on_faces;    ///< in place of the forces on what follows, for the names that are here
 
+  std::vector<std::array<std::size_t, 2>> tied_bodies;
+
+  bool ties(std::size_t body, std::size_t other) const;
   /// The forces and torques that they exert on what follows, by name.
   /// @param gradient  of the whole potential, as `Potential::gradient` gives it [N]
   std::vector<Reaction> reactions(int dim, const VectorX& gradient, const VectorX& positions) const;
@@ -74,7 +78,7 @@ class RelationSystem {
                     const std::string& place);
 
   /// Null without any relations.
-  std::shared_ptr<const LinearConstraints> build() const;
+  std::shared_ptr<LinearConstraints> build() const;
 
  private:
   struct Entry {
