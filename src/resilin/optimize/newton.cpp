@@ -58,18 +58,12 @@ NewtonReport Newton::Search::finish_out_of_digits() {
 /// How far the step may go. Where that is not far, because surfaces turn on the way, the step is corrected
 /// to second order first.
 double Newton::Search::longest_step(bool boundary_moves) {
-  const double way = boundary_moves ? way_left() : 0;
-  const auto room_for = [&](const VectorX& p) {
-    way > 0 ? led->prepare_along(x, p, way) : objective.prepare(x, p);
-    return way > 0 ? led->max_step_along(x, p, way) : objective.max_step(x, p);
-  };
-  double length = room_for(step);
+  objective.prepare(x, step);
+  double length = objective.max_step(x, step);
   VectorX forces, correction;
   for (int k = 0; k < most_corrections && length < short_step; ++k) {
     forces.setZero(x.size());
-    if (way > 0 ? !led->add_second_order_forces_along(x, step, way, forces)
-                : !objective.add_second_order_forces(x, step, forces))
-      break;
+    if (!objective.add_second_order_forces(x, step, forces)) break;
     set_fixed_to_zero(is_fixed, forces);
     correction.setZero(x.size());
     LinearReport linear;
@@ -81,7 +75,8 @@ double Newton::Search::longest_step(bool boundary_moves) {
     if (linear.status == LinearReport::Status::indefinite || !share.all(correction.allFinite())) break;
     if (dependents != nullptr) dependents->follow(correction);
     correction += step;
-    const double longer = room_for(correction);
+    objective.prepare(x, correction);
+    const double longer = objective.max_step(x, correction);
     if (!(longer > 2 * length) || !(boundary_moves || share.dot(correction, right_side) > 0)) break;
     step.swap(correction);
     length = longer;
@@ -217,7 +212,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   newton.last_measure_.reset();  // there is no matrix yet
   int blocked_steps = 0, giving_way = 0;
   VectorX gap = boundary_gap();
-  bool boundary_moves = gap.size() > 0 || way_left() > 0;
+  bool boundary_moves = gap.size() > 0;
   objective.prepare(x, VectorX::Zero(x.size()));
   objective.gradient(x, gradient);
   measure_residual();
@@ -244,12 +239,6 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     if (boundary_moves && !pushes) {
       --giving_way;
       if (outcome != Outcome::moved) giving_way = 0;
-      // Pushed on, bodies that cannot give way would lose what distance is left.
-      if (outcome != Outcome::moved && outcome != Outcome::balanced && way_left() > 0) {
-        led->leave_way();
-        boundary_moves = gap.size() > 0;
-        continue;
-      }
     }
     if (coupling.is_on() && outcome != Outcome::balanced &&
         (outcome != Outcome::moved || coupling.fails(length, weighted_residual)) &&
@@ -274,27 +263,17 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
                           : "the stiffness matrix is singular: a part of the body can move freely");
       case Outcome::stalled:
         if (boundary_moves && !pushes) continue;
-        if (pushes && way_left() > 0) {
-          led->leave_way();
-          boundary_moves = gap.size() > 0;
-          continue;
-        }
         return finish(Status::stalled,
                       boundary_moves ? blocked_motion
                                      : "the line search found no lower energy along the Newton direction");
     }
     if (pushes) {
-      const bool is_blocked = length < 0.05 && ++blocked_steps > most_blocked_steps;
-      if (is_blocked && !(way_left() > 0)) return finish(Status::stalled, blocked_motion);
-      // The rest of its iterations the search needs for the bodies.
-      if (way_left() > 0 && (is_blocked || 2 * report.iterations > settings.max_iterations)) {
-        led->leave_way();
-        blocked_steps = 0;
-      }
+      if (length < 0.05 && ++blocked_steps > most_blocked_steps)
+        return finish(Status::stalled, blocked_motion);
       if (length < short_boundary_step) giving_way = iterations_to_give_way;
       if (length == 1) land_on_targets(x);
       gap = boundary_gap();
-      boundary_moves = gap.size() > 0 || way_left() > 0;
+      boundary_moves = gap.size() > 0;
       if (!boundary_moves) {
         last_residual = 0;
         giving_way = 0;
