@@ -48,8 +48,8 @@ TEST(EveryKey, OfThePageIsInTheScene) {
     if (is_constant_of_a_law(key)) continue;                           // see the test below
     if (key == "modes" || key == "count" || key == "about") continue;  // only for modal analysis
     // Only in a static scene; see tests/cli/tie_test.cpp.
-    if (key == "to" || key == "to_where" || key == "close" || key == "max_distance" || key == "terms")
-      continue;
+    if (key == "surfaces" || key == "gap" || key == "max_distance" || key == "terms") continue;
+    if (key == "branches") continue;               // in place of g and tau; see scene_test.cpp
     if (key == "mesher") continue;                 // only for a surface; see surface_mesh_test.cpp
     if (key == "disc" || key == "ring") continue;  // only in 2D; see round_mesh_test.cpp
     EXPECT_NE(scene.find(key), scene.npos) << key;

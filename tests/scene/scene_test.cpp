@@ -43,6 +43,23 @@ TEST(SceneFile, LeavesTheDefaultsOfTheStructsWhereItSaysNothing) {
   EXPECT_EQ(d.bodies[0].material.constants, MaterialDescription{}.constants);
 }
 
+TEST(SceneFile, ListsBranchesOfAPronySeriesOneByOne) {
+  const auto with = [](const std::string& viscoelastic) {
+    return "[[body]]\nmesh = { box = { size = [1, 1, 1], cells = [1, 1, 1] } }\nmaterial = { law = \"yeoh\", "
+           "c10 = 1, c20 = 0, c30 = 0, bulk_modulus = 9, viscoelastic = { " +
+           viscoelastic + " } }";
+  };
+  const std::string branches = "branches = [{ g = 0.3, tau = 0.1 }, { g = 0.2, k = 0.0, tau = 1 }]";
+  const Description d = read_text(with(branches)).description;
+  const ViscoelasticDescription& read = d.bodies[0].material.viscoelastic.value();
+  EXPECT_EQ(read.g, (std::vector<double>{0.3, 0.2}));
+  EXPECT_EQ(read.tau, (std::vector<double>{0.1, 1}));
+  EXPECT_THAT(input_error([&] { read_text(with(branches + ", g = [0.3]")); }),
+              HasSubstr("either branches or the lists g and tau"));
+  EXPECT_THAT(input_error([&] { read_text(with("branches = [{ g = 0.3, k = 0.1, tau = 1 }]")); }),
+              HasSubstr("the bulk modulus does not relax"));
+}
+
 TEST(SceneFile, MayBeginWithAByteOrderMark) {
   EXPECT_EQ(read_text("\xef\xbb\xbf" + good_scene).description.title, "A small beam");
   EXPECT_EQ(input_error([] { read_text("\xff\xfet\0i\0"); }),
