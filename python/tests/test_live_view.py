@@ -231,7 +231,7 @@ def test_bodies_that_the_simulation_cannot_go_on_with_are_refused_and_leave_it_a
 def test_vibrations_are_not_pulled_at():
     scene = cantilever(kind="modes", modes={"count": 2})
     scene["body"][0]["material"]["density"] = 1000
-    with pytest.raises(resilin.InputError, match="view: expected bodies in motion or at rest, got modes"):
+    with pytest.raises(resilin.InputError, match="view: expected a static or dynamic scene, got modal analysis"):
         resilin.Simulation(scene).view()
 
 
