@@ -47,7 +47,7 @@ Matrix<3> deviator(const Matrix<3>& sigma) { return sigma - sigma.trace() / 3 * 
 
 /// Kirchhoff stress J sigma of J^(-2/3) DEV[A]; of A itself where no deviator is taken.
 Matrix<3> pushed_forward(ViscoelasticForm form, const Matrix<3>& F, const Matrix<3>& A) {
-  const Matrix<3> tau = F * A * F.transpose();
+  Matrix<3> tau = F * A * F.transpose();
   if (form != ViscoelasticForm::simo) return tau;
   return std::pow(F.determinant(), -2.0 / 3) * deviator(tau);
 }
@@ -88,7 +88,7 @@ class Overstress {
   Overstress(const ElasticEnergy& body, ViscoelasticForm form, std::vector<double> rows)
       : body_(body),
         rows_(std::move(rows)),
-        overstress_{rows_.data(), form == ViscoelasticForm::simo},
+        is_isochoric_(form == ViscoelasticForm::simo),
         kernels_(overstress_kernels(body.element().dim, body.element().num_nodes, body.instruction_set())),
         all_blocks_(body.tiles().blocks.num_blocks) {
     std::iota(all_blocks_.begin(), all_blocks_.end(), 0);
@@ -98,29 +98,31 @@ class Overstress {
 
   double difference(const std::vector<double>& from, const std::vector<double>& to) const {
     return sum([&](const QuadratureTile& tile, EnergySum& sum) {
-      kernels_.add_differences(tile, overstress_, from.data(), to.data(), sum);
+      kernels_.add_differences(tile, overstress(), from.data(), to.data(), sum);
     });
   }
   double magnitude(const std::vector<double>& u) const {
     return sum([&](const QuadratureTile& tile, EnergySum& sum) {
-      kernels_.add_magnitudes(tile, overstress_, u.data(), sum);
+      kernels_.add_magnitudes(tile, overstress(), u.data(), sum);
     });
   }
   void add_forces(const std::vector<double>& u, bool is_magnitude, VectorX& forces) const {
     body_.add_by_owner(
         [&](const ElasticTiles::Tile& tile, const OwnedNodes& owned, ElasticTiles::Scratch&, double* local) {
-          kernels_.add_forces(body_.tiles().quadrature_tile(tile), overstress_, u.data(), is_magnitude, owned,
-                              local);
+          kernels_.add_forces(body_.tiles().quadrature_tile(tile), overstress(), u.data(), is_magnitude,
+                              owned, local);
         },
         forces);
   }
   void add_matrices(const std::vector<double>& u, Projection projection, const ElasticTiles::Tile& tile,
                     double* K) const {
-    kernels_.add_matrices(body_.tiles().quadrature_tile(tile), overstress_, u.data(),
+    kernels_.add_matrices(body_.tiles().quadrature_tile(tile), overstress(), u.data(),
                           removed_part(projection), K);
   }
 
  private:
+  OverstressRows overstress() const { return {rows_.data(), is_isochoric_}; }
+
   template <class Add>
   double sum(const Add& add) const {
     const ElasticTiles& tiles = body_.tiles();
@@ -132,7 +134,7 @@ class Overstress {
 
   const ElasticEnergy& body_;
   std::vector<double> rows_;
-  OverstressRows overstress_;
+  bool is_isochoric_;
   const OverstressKernels& kernels_;
   std::vector<Index> all_blocks_;
 };

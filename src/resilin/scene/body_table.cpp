@@ -31,10 +31,6 @@ std::vector<std::string> quadrature_names() {
   return names;
 }
 
-}  // namespace
-
-namespace {
-
 Keys<RigidDescription> rigid_keys() {
   using R = RigidDescription;
   return {

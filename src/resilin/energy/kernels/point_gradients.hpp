@@ -73,4 +73,22 @@ RESILIN_INLINE void scatter_shares(const Group<dim, num_nodes>& at, Lanes f[num_
   }
 }
 
+/// Calls `add(at, K)` for the groups of a tile, K being the upper blocks of the element matrices in
+/// `out_rows`: [tile block][pair][dim * dim][lane], aligned to 64 bytes.
+template <int dim, int num_nodes, class Add>
+RESILIN_INLINE void add_to_matrices(const QuadratureTile& tile, double* out_rows, const Add& add) {
+  constexpr int rows = num_pairs(num_nodes) * dim * dim;
+  for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
+    double* out = out_rows + at.in_tile * static_cast<std::size_t>(rows * block_size) + at.lane;
+    if constexpr (Lanes::width == block_size) {  // a row of lanes is a row of the block: no copy
+      add(at, *reinterpret_cast<ElementHessian<dim, num_nodes>*>(out));
+    } else {
+      ElementHessian<dim, num_nodes> K;
+      load_rows(out, rows, K[0]);
+      add(at, K);
+      store_rows(K[0], rows, out);
+    }
+  });
+}
+
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE

@@ -134,19 +134,10 @@ RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const Vi
 template <int dim, int num_nodes>
 void add_matrices(const QuadratureTile& tile, const ViscosityRows& viscosities, const double* shape,
                   double factor, double* out_rows) {
-  constexpr int rows = num_pairs(num_nodes) * dim * dim;
-  for_groups<dim, num_nodes>(tile, [&](const Group<dim, num_nodes>& at) {
-    double* out = out_rows + at.in_tile * static_cast<std::size_t>(rows * block_size) + at.lane;
-    if constexpr (Lanes::width == block_size) {  // a row of lanes is a row of the block: no copy
-      add_element_matrix<dim, num_nodes>(at, viscosities, shape, factor,
-                                         *reinterpret_cast<ElementHessian<dim, num_nodes>*>(out));
-    } else {
-      ElementHessian<dim, num_nodes> K;
-      load_rows(out, rows, K[0]);
-      add_element_matrix<dim, num_nodes>(at, viscosities, shape, factor, K);
-      store_rows(K[0], rows, out);
-    }
-  });
+  add_to_matrices<dim, num_nodes>(tile, out_rows,
+                                  [&](const Group<dim, num_nodes>& at, ElementHessian<dim, num_nodes>& K) {
+                                    add_element_matrix<dim, num_nodes>(at, viscosities, shape, factor, K);
+                                  });
 }
 
 template <int dim, int num_nodes>
