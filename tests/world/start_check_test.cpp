@@ -313,6 +313,40 @@ TEST(Supports, AreWarnedOfAColliderOnTheirWay) {
   }
 }
 
+/// A bar in free fall above a floor, or guided along the normal, with gaps from far inside to outside the
+/// activation distance; a second floor on the other side takes the push back.
+TEST(Contact, IsWarnedOfWhenItPushesABodyOffAtTheStart) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true})
+      for (const double gap : {1e-5, 1e-3, 0.00499, 0.0051}) {
+        SCOPED_TRACE(gap);
+        if (!is_dynamic && gap > 0.005) continue;  // nothing holds it
+        Description scene = small_bar(dimension, is_dynamic);
+        scene.gravity = {0, -9.81, 0};
+        scene.fixes[0].components = {true, false, true};
+        ColliderDescription floor;
+        floor.name = "floor";
+        floor.activation_distance = 0.005;
+        floor.shape.point = {0, -gap, 0};
+        floor.shape.normal = {0, 1, 0};
+        scene.colliders = {floor};
+        const bool is_inside = gap < 0.004;
+        const std::string words = warnings_of(scene);
+        EXPECT_EQ(
+            words.find("\"body\" starts inside the activation distance of \"floor\"") != std::string::npos,
+            is_inside)
+            << words;
+        scene.fixes[0].components = {true, true, true};
+        EXPECT_THAT(warnings_of(scene), Not(HasSubstr("starts inside"))) << "held along the push";
+        scene.fixes[0].components = {true, false, true};
+        floor.name = "ceiling";
+        floor.shape.point = {0, 0.25 + gap, 0};
+        floor.shape.normal = {0, -1, 0};
+        scene.colliders.push_back(floor);
+        EXPECT_THAT(warnings_of(scene), Not(HasSubstr("starts inside"))) << "pushed from both sides";
+      }
+}
+
 TEST(Probe, IsWarnedOfWhenNoVertexIsNear) {
   struct Place {
     Vector3 at;

@@ -86,6 +86,37 @@ bool acts(const World& world, const Conditions& conditions) {
   return false;
 }
 
+/// Sum of a nodal vector over a body.
+Vector3 total(const World& world, const Body& body, const VectorX& nodal) {
+  Vector3 sum = Vector3::Zero();
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+    sum += node_position(world.dimension, node, nodal);
+  return sum;
+}
+
+/// Whether no vertex of a body has a prescribed displacement along an axis.
+bool is_free_along(const World& world, const Body& body, int axis) {
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+    if (world.is_fixed[static_cast<std::size_t>(Index{node} * world.dimension + axis)] != 0) return false;
+  return true;
+}
+
+/// The largest total force of loads and gravity on each body, of all times looked at [N].
+std::vector<double> largest_loads(const World& world) {
+  std::vector<double> largest(world.bodies.size(), 0.0);
+  for (const Conditions& conditions : conditions_to_look_at(world)) {
+    VectorX gradient = VectorX::Zero(world.start_positions.size());
+    for (std::size_t t = 0; t < world.origins.size(); ++t) {
+      const TermOrigin::Kind kind = world.origins[t].kind;
+      if (kind == TermOrigin::Kind::load || kind == TermOrigin::Kind::gravity)
+        world.terms[t]->add_gradient(world.start_positions, conditions, gradient);
+    }
+    for (std::size_t b = 0; b < world.bodies.size(); ++b)
+      largest[b] = std::max(largest[b], total(world, world.bodies[b], gradient).norm());
+  }
+  return largest;
+}
+
 /// How deep a held vertex gets into a collider.
 struct Intrusion {
   double depth = 0;    ///< [m]
@@ -179,6 +210,47 @@ std::vector<std::string> starts_without_volume(const World& world) {
                       "has no value there (inf or nan in the first frame)");
       break;
     }
+  return found;
+}
+
+std::vector<std::string> starts_pushed_off(const World& world) {
+  constexpr double many_times = 10;  // what a body at rest on others never feels
+  const std::size_t num_bodies = world.bodies.size();
+  std::vector<Vector3> pushes(num_bodies, Vector3::Zero());  // of all contact on each body [N] ...
+  std::vector<double> most(num_bodies, 0.0);                 // ... the most that one of them adds ...
+  std::vector<std::string> from(num_bodies);                 // ... and which
+  for (std::size_t t = 0; t < world.origins.size(); ++t) {
+    const bool is_collider = world.origins[t].kind == TermOrigin::Kind::collider;
+    if (!is_collider && world.origins[t].kind != TermOrigin::Kind::contact) continue;
+    VectorX gradient = VectorX::Zero(world.start_positions.size());
+    world.terms[t]->add_gradient(world.start_positions, {}, gradient);
+    if (gradient.isZero(0)) continue;
+    for (std::size_t b = 0; b < num_bodies; ++b) {
+      const Vector3 push = -total(world, world.bodies[b], gradient);
+      pushes[b] += push;
+      if (!(push.norm() > most[b])) continue;
+      most[b] = push.norm();
+      from[b] = is_collider ? '"' + std::string(world.terms[t]->name()) + '"' : "another body";
+    }
+  }
+  std::vector<std::string> found;
+  if (std::ranges::all_of(from, &std::string::empty)) return found;
+  const std::vector<double> loads = largest_loads(world);
+  for (std::size_t b = 0; b < num_bodies; ++b) {
+    int axis = 0;
+    const double along = pushes[b].cwiseAbs().maxCoeff(&axis);
+    constexpr double rounding = 1e-9;  // what opposite pushes leave
+    if (!(along > std::max(many_times * loads[b], rounding * most[b]))) continue;
+    if (!is_free_along(world, world.bodies[b], axis)) continue;
+    if (!world.is_dynamic && loads[b] == 0) continue;  // a prescribed motion decides where it goes
+    const double push = pushes[b].norm();
+    found.push_back(world.place + ": \"" + world.bodies[b].name +
+                    "\" starts inside the activation distance of " + from[b] +
+                    ": contact pushes it away with " + format_short(push) + " N" +
+                    (loads[b] > 0 ? ", " + format_short(push / loads[b]) + " times its load" : "") +
+                    "; start it farther away, or set activation_distance to " +
+                    (world.is_dynamic ? "less than the gap" : "little more than the gap"));
+  }
   return found;
 }
 

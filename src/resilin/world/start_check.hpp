@@ -11,6 +11,11 @@ void check_start(const Description& description, const World& world);
 /// Bodies that start with cells of no volume, where the Cauchy stress has no value; one line each.
 std::vector<std::string> starts_without_volume(const World& world);
 
+/// Bodies that start so far inside the activation distance of a collider or of another body that contact
+/// pushes them away with many times what acts on them, along an axis in which nothing holds them; one line
+/// each. The world is complete.
+std::vector<std::string> starts_pushed_off(const World& world);
+
 /// Whether nothing ever acts: no force on a free vertex, no velocity at the start, no support or collider
 /// that moves, at any time or load. The world is complete. Asks for forces at the start, and at some more
 /// times where they are zero.

@@ -196,6 +196,7 @@ void Builder::find_oddities() {
                               ": contact between them is disabled ([contact]), and they pass through each "
                               "other; move one of them (translate), or enable contact");
   for (std::string& line : supports_in_colliders(world_)) world_.warnings.push_back(std::move(line));
+  for (std::string& line : starts_pushed_off(world_)) world_.warnings.push_back(std::move(line));
   for (const std::string& line : starts_without_volume(world_))
     world_.warnings.push_back(world_.place + ": " + line);
   for (std::string& line : opposite_side_warnings(world_)) world_.warnings.push_back(std::move(line));
