@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -354,10 +355,13 @@ TEST(Friction, IsRefusedWhereItIsNoCoefficientOrThereIsNoWayToFollow) {
     EXPECT_NE(refusal_of(block(2, 0, wrong)).find("collider.friction: expected a finite number >= 0, got"),
               std::string::npos)
         << wrong;
-  const World slippery(block(2, 0, 1)), rough(block(2, 0, 12));
-  EXPECT_TRUE(slippery.warnings.empty());
-  ASSERT_EQ(rough.warnings.size(), 1U);
-  EXPECT_NE(rough.warnings[0].find("collider.friction: a coefficient of 12"), std::string::npos);
+  const auto num_warned = [](const World& world) {
+    return std::ranges::count_if(world.warnings, [](const std::string& line) {
+      return line.find("collider.friction: a coefficient of 12") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(num_warned(World(block(2, 0, 1))), 0);
+  EXPECT_EQ(num_warned(World(block(2, 0, 12))), 1);
   Description path = block(2, 0, 0.3);
   path.is_dynamic = false;
   path.load_control = LoadControlKind::arc_length;
