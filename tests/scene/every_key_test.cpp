@@ -49,6 +49,8 @@ TEST(EveryKey, OfThePageIsInTheScene) {
     if (key == "modes" || key == "count" || key == "about") continue;  // only for modal analysis
     // Only in a static scene; see tests/cli/tie_test.cpp.
     if (key == "surfaces" || key == "gap" || key == "max_distance" || key == "terms") continue;
+    // In place of end_time; see step_test.cpp.
+    if (key == "duration" || key == "activate" || key == "deactivate") continue;
     if (key == "branches") continue;               // in place of g and tau; see scene_test.cpp
     if (key == "mesher") continue;                 // only for a surface; see surface_mesh_test.cpp
     if (key == "disc" || key == "ring") continue;  // only in 2D; see round_mesh_test.cpp

@@ -30,6 +30,7 @@ constexpr std::array rows = {
     Row{"collider", "obstacle obstacles rigid rigid_body rigid_bodies floor ground wall plane is_obstacle"},
     Row{"body", "part parts solid solids domain geometry geometries object deformable"},
     Row{"probe", "monitor sensor history node_history point_output tracker"},
+    Row{"step", "stage stages load_case load_cases loadcase analysis_step"},
     Row{"section", "cut section_force integrated_output"},
     Row{"simulation", "analysis step procedure control time settings"},
     Row{"kind", "analysis procedure type"},

@@ -93,6 +93,7 @@ std::vector<TableDoc> scene_tables() {
                "A plane cut through a body; the report has the force and moment that the side beyond it "
                "exerts on the side below ([results.md](results.md#sections)).",
                section_keys()),
+      step_doc(),
       document("[output]", "Output: frames, fields and file formats.", output_keys()),
   };
 }

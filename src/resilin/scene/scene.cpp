@@ -51,7 +51,7 @@ void take_plane_stress(Description& d) {
 void read_root(const SceneNode& root, Description& d) {
   refuse_fit(root);
   refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "tie", "constraint", "load", "collider",
-                             "contact", "newton", "solver", "probe", "section", "output"});
+                             "contact", "newton", "solver", "probe", "section", "step", "output"});
   if (root.has("title")) d.title = read_text(root.child("title"));
   read_optional(root, "simulation", simulation_keys(), d);
   if (root.has("contact")) read_contact(root.child("contact"), d.contact);
@@ -66,6 +66,7 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);
   read_list(root, "section", d.sections, read_section);
+  read_steps(root, d);
   if (root.has("simulation") && root.child("simulation").has("dimension") &&
       is_plane_stress_dimension(root.child("simulation").child("dimension")))
     take_plane_stress(d);

@@ -95,6 +95,11 @@ TableDoc modes_doc();
 void read_damping(const SceneNode& node, DampingDescription& damping);
 TableDoc damping_doc();
 
+// step_table.cpp
+/// Turns [[step]] into time functions of what it names; the rest of the scene has been read.
+void read_steps(const SceneNode& root, Description& description);
+TableDoc step_doc();
+
 // contact_table.cpp
 Keys<ColliderDescription> collider_keys();
 TableDoc collider_turn_doc();

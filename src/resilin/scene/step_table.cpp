@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "resilin/scene/tables.hpp"
+#include "resilin/world/load_catalog.hpp"
+
+namespace resilin {
+namespace {
+
+/// An entry of [[step]].
+struct StepTable {
+  std::string name;
+  double duration = 0;  ///< [s]; 0: not given
+  std::vector<std::string> activate, deactivate;
+};
+
+void read_names(const SceneNode& node, std::vector<std::string>& names) {
+  expect_list(node, "names such as \"load.press\"");
+  for (std::size_t i = 0; i < node.value->array().size(); ++i) names.push_back(read_text(node.element(i)));
+}
+
+Keys<StepTable> step_keys() {
+  using S = StepTable;
+  return {
+      text_key("name", &S::name, "step[0] ...", "Name of the step in messages."),
+      key<S>({"duration", "number > 0", "s", "static: 1; dynamic: required",
+              "Its duration. Those of all steps add up to the end of the run."},
+             [](const SceneNode& node, S& s) { s.duration = read_number(node, positive); }),
+      key<S>({"activate", "list of texts", "", "none",
+              "Loads, supports and colliders (`load.NAME`, `fix.NAME`, `collider.NAME`) that act, or move by "
+              "their displacement, from this step on."},
+             [](const SceneNode& node, S& s) { read_names(node, s.activate); }),
+      key<S>({"deactivate", "list of texts", "", "none",
+              "Loads that cease, and colliders that go back to where they started, in this step."},
+             [](const SceneNode& node, S& s) { read_names(node, s.deactivate); }),
+  };
+}
+
+/// A part of the scene that a step can switch.
+struct Switched {
+  TimeFunction* function;
+  bool is_load;           ///< else something that moves
+  std::string refusal;    ///< why no step may switch it; empty: one may
+  std::string no_return;  ///< why no step may deactivate it; empty: one may
+  bool is_on = false;
+  bool is_named = false;
+  TimeFunction::Table table{};
+
+  void add(double time, double value) {
+    table.times.push_back(time);
+    table.values.push_back(value);
+  }
+  /// Goes to `value` in a step; at once or evenly.
+  void lead_to(double value, double begin, double end, bool at_once) {
+    const double before = 1 - value;
+    if (!at_once || begin > 0) add(begin, before);
+    add(at_once ? begin : end, value);
+  }
+};
+
+std::string why_not(const LoadDescription& load) {
+  if (load.kind == "spring") return "a spring acts from the start; give it `from` and `until` instead";
+  if (!load.time_function.is_constant() || load.from > 0 || load.until)
+    return "its own `time_function`, `from` or `until` says when it acts; leave that out, or the name here";
+  return "";
+}
+
+template <class T>
+std::string why_not_moved(const T& entry, bool is_displaced) {
+  if (!entry.time_function.is_constant())
+    return "its own `time_function` says when it moves; leave that out, or the name here";
+  return is_displaced ? "" : "it has no displacement for a step to lead it by; give it one";
+}
+
+bool is_displaced(const FixDescription& fix) {
+  return !fix.displacement.isZero(0) || !fix.gradient.isZero(0) || fix.rotate.has_value();
+}
+
+using SwitchedByName = std::map<std::string, Switched>;
+
+SwitchedByName all_switched(Description& d) {
+  SwitchedByName all;
+  for (LoadDescription& load : d.loads)
+    all["load." + load.name] = {
+        .function = &load.time_function, .is_load = true, .refusal = why_not(load), .no_return = ""};
+  for (FixDescription& fix : d.fixes)
+    all["fix." + fix.name] = {.function = &fix.time_function,
+                              .is_load = false,
+                              .refusal = why_not_moved(fix, is_displaced(fix)),
+                              .no_return =
+                                  "steps release no support: press with a [[collider]], which "
+                                  "goes back when it is deactivated"};
+  for (ColliderDescription& collider : d.colliders)
+    all["collider." + collider.name] = {.function = &collider.time_function,
+                                        .is_load = false,
+                                        .refusal = why_not_moved(collider, !collider.displacement.isZero(0)),
+                                        .no_return = ""};
+  return all;
+}
+
+Switched& find_switched(const SceneNode& node, const std::string& name, SwitchedByName& all) {
+  const auto found = all.find(name);
+  if (found == all.end()) {
+    std::vector<std::string> names;
+    for (const auto& [known, entry] : all) names.push_back(known);
+    const std::string nearest = did_you_mean(name, names);
+    node.fail("the name of a load, support or collider of this scene (load.NAME, fix.NAME, collider.NAME)",
+              nearest.empty() ? "there are " + (names.empty() ? "none" : join(names)) : nearest);
+  }
+  if (!found->second.refusal.empty()) node.fail_with("\"" + name + "\": " + found->second.refusal);
+  return found->second;
+}
+
+/// In statics, entries that no step names belong to the first one.
+template <class T>
+void ramp_in(std::vector<T>& entries, double end) {
+  for (T& entry : entries)
+    if (entry.time_function.is_constant())
+      entry.time_function.form = TimeFunction::Ramp{.from = 0, .until = end};
+}
+
+void refuse_beside_steps(const SceneNode& root, const Description& d) {
+  const SceneNode list = root.child("step");
+  if (d.modes) list.fail_with("a modal analysis has no steps; leave them out");
+  if (!d.is_dynamic && d.load_control == LoadControlKind::arc_length)
+    list.fail_with("arc length follows one load path; leave out load_control, or the steps");
+  if (!root.has("simulation")) return;
+  const SceneNode simulation = root.child("simulation");
+  if (simulation.has("end_time"))
+    simulation.child("end_time").fail_with("the durations of the steps add up to the end; leave it out");
+  if (!d.is_dynamic && !d.gravity.isZero(0))
+    simulation.child("gravity").fail_with(
+        "would grow over all static steps; give a [[load]] of kind \"body_force\" (density times "
+        "gravity), which a step can activate");
+}
+
+/// Applies `activate` or `deactivate` of one step.
+void switch_all(const SceneNode& step, const char* key, const std::vector<std::string>& names, double begin,
+                double end, bool is_dynamic, SwitchedByName& all, std::set<std::string>& in_this_step) {
+  const bool is_on = std::string_view(key) == "activate";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const SceneNode node = step.child(key).element(i);
+    Switched& entry = find_switched(node, names[i], all);
+    if (!in_this_step.insert(names[i]).second) node.fail_with("\"" + names[i] + "\" is twice in one step");
+    if (!is_on && !entry.no_return.empty()) node.fail_with("\"" + names[i] + "\": " + entry.no_return);
+    if (is_on && entry.is_on) node.fail_with("\"" + names[i] + "\" is active already; leave it out here");
+    if (!is_on && !entry.is_on && entry.is_named)
+      node.fail_with("\"" + names[i] + "\" is not active here; leave it out");
+    if (!is_on && !entry.is_named)
+      node.fail_with("no step before activates \"" + names[i] + "\"; name it in `activate` of the first one");
+    entry.is_on = is_on;
+    entry.is_named = true;
+    entry.lead_to(is_on ? 1 : 0, begin, end, is_dynamic && entry.is_load);
+  }
+}
+
+}  // namespace
+
+TableDoc step_doc() {
+  return document("[[step]]",
+                  "Steps in sequence: what acts and moves when ([steps](steps.md)). They are read into time "
+                  "functions.",
+                  step_keys());
+}
+
+void read_steps(const SceneNode& root, Description& d) {
+  if (!root.has("step")) return;
+  const SceneNode list = root.child("step");
+  if (!list.value->is_array() || list.value->array().empty())
+    list.fail("a list of tables, each headed [[step]]");
+  refuse_beside_steps(root, d);
+  SwitchedByName all = all_switched(d);
+  std::set<std::string> step_names;
+  double begin = 0, first_end = 0;
+  const std::size_t num_steps = list.value->array().size();
+  for (std::size_t i = 0; i < num_steps; ++i) {
+    const SceneNode node = list.element(i);
+    StepTable step;
+    step.name = node.path;
+    read_table(node, step_keys(), step);
+    if (!step_names.insert(step.name).second)
+      node.child("name").fail_with("another step is called \"" + step.name + "\"; give it another name");
+    if (step.duration == 0 && d.is_dynamic)
+      node.fail_with("a step of a dynamic run needs the key \"duration\"");
+    const double end = begin + (step.duration == 0 ? 1 : step.duration);
+    if (i == 0) first_end = end;
+    std::set<std::string> in_this_step;
+    switch_all(node, "activate", step.activate, begin, end, d.is_dynamic, all, in_this_step);
+    switch_all(node, "deactivate", step.deactivate, begin, end, d.is_dynamic, all, in_this_step);
+    begin = end;
+  }
+  for (auto& [name, entry] : all)
+    if (entry.is_named) entry.function->form = std::move(entry.table);
+  d.end_time = begin;
+  if (d.is_dynamic) return;
+  d.load_steps *= static_cast<int>(num_steps);
+  ramp_in(d.loads, first_end);
+  ramp_in(d.fixes, first_end);
+  ramp_in(d.constraints, first_end);
+  ramp_in(d.colliders, first_end);
+}
+
+}  // namespace resilin
