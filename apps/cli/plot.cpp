@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "command.hpp"
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/fit/plot_frame.hpp"
+#include "resilin/io/atomic_file.hpp"
+#include "resilin/results/saved_report.hpp"
+#include "terminal.hpp"
+
+namespace resilin::cli {
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+struct PlotOptions {
+  std::string folder, x = "time", title;
+  std::vector<std::string> y, out;
+  bool lists = false;
+};
+
+/// Numbers of a run over its frames, by name.
+class Series {
+ public:
+  explicit Series(const Json& frames) : num_frames_(frames.size()) {
+    for (std::size_t i = 0; i < frames.size(); ++i) add_frame(frames[i], i);
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& [name, values] : values_) all.push_back(name);
+    return all;
+  }
+  /// Throws InputError with the nearest name.
+  const std::vector<double>& find(const std::string& name, const std::string& option) const {
+    const auto found = values_.find(name);
+    if (found != values_.end()) return found->second;
+    const std::string nearest = did_you_mean(name, names());
+    throw InputError(option, "a name that --list prints", '"' + one_line(name) + '"', nearest);
+  }
+
+ private:
+  void set(const std::string& name, std::size_t frame, double value) {
+    auto [found, is_new] = values_.try_emplace(name);
+    if (is_new) found->second.assign(num_frames_, missing);
+    found->second[frame] = value;
+  }
+
+  /// A number, a vector with its length, or a table of them.
+  void add(const std::string& name, const Json& value, std::size_t frame) {
+    if (value.is_number()) return set(name, frame, value.get<double>());
+    if (value.is_object()) {
+      for (const auto& [key, part] : value.items()) add(name + "." + key, part, frame);
+      return;
+    }
+    const auto is_number = [](const Json& part) { return part.is_number(); };
+    if (!value.is_array() || value.empty() || value.size() > 3 || !std::ranges::all_of(value, is_number))
+      return;
+    if (value.size() == 1) return set(name, frame, value[0].get<double>());
+    double square = 0;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const auto component = value[i].get<double>();
+      square += component * component;
+      set(name + "." + "xyz"[i], frame, component);
+    }
+    set(name, frame, std::sqrt(square));
+  }
+
+  void add_frame(const Json& frame, std::size_t number) {
+    constexpr std::pair<const char*, const char*> tables[] = {
+        {"probes", "probe"},     {"reactions", "reaction"}, {"reaction_moments", "reaction_moment"},
+        {"sections", "section"}, {"energy", "energy"},      {"momentum", "momentum"}};
+    for (const auto& [key, name] : tables)
+      if (frame.contains(key)) add(name, frame[key], number);
+    for (const char* key : {"time", "load", "step", "newton_iterations", "residual_newton",
+                            "min_volume_ratio", "unstable_modes"})
+      if (frame.contains(key)) add(key, frame[key], number);
+    if (!frame.contains("contacts") || !frame["contacts"].is_array()) return;
+    for (const Json& contact : frame["contacts"]) {
+      std::string name = "contact";
+      if (!contact.contains("bodies") || !contact["bodies"].is_array()) continue;
+      for (const Json& body : contact["bodies"])
+        if (body.is_string()) name += "." + body.get<std::string>();
+      for (const auto& [key, value] : contact.items())
+        if (key != "bodies") add(name + "." + key, value, number);
+    }
+  }
+
+  std::size_t num_frames_;
+  std::map<std::string, std::vector<double>> values_;
+};
+
+/// Unit of what a name means; empty for a number without.
+std::string unit_of(std::string_view name) {
+  const auto has = [name](std::string_view word) { return name.find(word) != name.npos; };
+  if (name == "time") return "s";
+  if (name.starts_with("energy.")) return "J";
+  if (name.starts_with("momentum.")) return has("angular") ? "kg m^2/s" : "kg m/s";
+  if (name.starts_with("reaction_moment.") || (name.starts_with("section.") && has(".moment"))) return "N m";
+  if (name.starts_with("reaction.") || name == "residual_newton") return "N";
+  if (name.starts_with("probe.")) return has(".velocity") ? "m/s" : "m";
+  if (has(".force")) return "N";
+  if (has(".pressure")) return "Pa";
+  if (has(".area")) return "m^2";
+  return has("gap") ? "m" : "";
+}
+
+std::string label_of(const std::string& name) {
+  const std::string unit = unit_of(name);
+  return unit.empty() ? name : name + " [" + unit + "]";
+}
+
+struct Curve {
+  std::string name;
+  const std::vector<double>* values;
+};
+
+std::string cell(std::string_view text) {
+  if (text.find_first_of(",\"") == text.npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string csv(const Curve& x, const std::vector<Curve>& ys) {
+  std::string text = cell(label_of(x.name));
+  for (const Curve& y : ys) text += "," + cell(label_of(y.name));
+  text += "\n";
+  const auto number = [](double value) { return std::isfinite(value) ? format_number(value) : ""; };
+  for (std::size_t i = 0; i < x.values->size(); ++i) {
+    text += number((*x.values)[i]);
+    for (const Curve& y : ys) text += "," + number((*y.values)[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+constexpr std::string_view style =
+    "text{font:11px sans-serif;fill:#333}.title{font-weight:bold}.grid{stroke:#ddd}.axis{stroke:#555}"
+    "polyline{fill:none;stroke-width:1.8}";
+constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                   "#e69f00", "#56b4e9", "#7f3c8d", "#666666"};
+
+/// A line in pieces, where values are missing between them.
+std::string lines(const PlotFrame& frame, const Curve& x, const Curve& y, const char* colour) {
+  std::string text, points;
+  const auto end_piece = [&] {
+    if (!points.empty())
+      text += fmt::format("<polyline clip-path=\"url(#{})\" stroke=\"{}\" points=\"{}\"/>", frame.clip(),
+                          colour, points);
+    points.clear();
+  };
+  for (std::size_t i = 0; i < x.values->size(); ++i) {
+    const double at = (*x.values)[i], value = (*y.values)[i];
+    if (std::isfinite(at) && std::isfinite(value)) {
+      points += fmt::format("{:.2f},{:.2f} ", frame.at_x(at), frame.at_y(value));
+    } else {
+      end_piece();
+    }
+  }
+  end_piece();
+  return text;
+}
+
+std::string svg(const std::string& title, const Curve& x, const std::vector<Curve>& ys) {
+  PlotAxis horizontal{.label = label_of(x.name), .range = {}};
+  PlotAxis vertical{.label = unit_of(ys[0].name), .range = {}};
+  for (const double value : *x.values) horizontal.range.include(value);
+  for (const Curve& y : ys) {
+    for (const double value : *y.values) vertical.range.include(value);
+    if (unit_of(y.name) != vertical.label) vertical.label = "units: see names";
+  }
+  if (!vertical.range.is_empty()) vertical.range = vertical.range.widened(0.05);
+  const PlotFrame frame(title, "plot", horizontal, vertical);
+  std::string text = frame.open();
+  text.insert(4, fmt::format(" xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\"",
+                             2 * PlotFrame::width, 2 * PlotFrame::height));
+  text += fmt::format("<style>{}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", style);
+  text += frame.axes();
+  for (std::size_t i = 0; i < ys.size(); ++i) {
+    const char* colour = colours[i % std::size(colours)];
+    text += lines(frame, x, ys[i], colour);
+    text += fmt::format("<text x=\"{}\" y=\"{}\" style=\"fill:{}\">{}</text>", PlotFrame::left + 6,
+                        PlotFrame::top + 12 + 13 * static_cast<double>(i), colour,
+                        html_text(label_of(ys[i].name)));
+  }
+  return text + "</svg>\n";
+}
+
+int plot(const PlotOptions& options) {
+  const std::filesystem::path folder = options.folder;
+  const std::filesystem::path path = std::filesystem::is_directory(folder) ? folder / "report.json" : folder;
+  const SavedReport report = read_report(path);
+  const Series series(report.frames);
+  if (options.lists) {
+    for (const std::string& name : series.names()) print_line(label_of(name));
+    return done;
+  }
+  if (options.y.empty())
+    throw InputError("--y", "the name of what to plot, once or more", "none", "--list prints all names");
+  const Curve x{options.x, &series.find(options.x, "--x")};
+  std::vector<Curve> ys;
+  for (const std::string& name : options.y) ys.push_back({name, &series.find(name, "--y")});
+  const std::string title = options.title.empty() ? options.y[0] : options.title;
+  if (options.out.empty()) print_text(csv(x, ys));
+  for (const std::string& file : options.out) {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (ending != ".csv" && ending != ".svg")
+      throw InputError(one_line(file), "a name that ends in .csv or .svg", '"' + one_line(ending) + '"');
+  }
+  for (const std::string& file : options.out) {
+    const bool is_table = std::filesystem::path(file).extension() == ".csv";
+    write_text(file, is_table ? csv(x, ys) : svg(title, x, ys));
+    print_line("wrote " + one_line(file));
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_plot(CommandLine& line, Action& action) {
+  auto options = std::make_shared<PlotOptions>();
+  const Command command =
+      line.command("plot", "Curves of a run: forces, displacements, energies, as CSV or SVG");
+  command.option("run", options->folder, "Results folder of a run, or its report.json")
+      .required()
+      .is_file_or_folder({"json"});
+  command.option("--x", options->x, "Name on the horizontal axis").type_name("NAME").shows_default();
+  command.option("--y", options->y, "Name of a curve; repeatable").type_name("NAME").repeatable();
+  command.option("--out", options->out, "File to write, .csv or .svg; repeatable. Without it: CSV on stdout")
+      .type_name("FILE")
+      .repeatable()
+      .is_file({"csv", "svg"});
+  command.option("--title", options->title, "Title of the picture").type_name("TEXT");
+  command.flag("--list", options->lists, "Print the names that the run has");
+  command.footer(
+      "Names: time, load, probe.NAME.displacement.x, reaction.NAME.y, contact.A.B.force, energy.elastic, "
+      "...; "
+      "a vector without a component is its length.\n"
+      "Example:\n  resilin plot out/plug --x time --y reaction.plate.y --out force.svg\n\n"
+      "Exit codes: 0 done; 1 the input is wrong.");
+  command.on_chosen([options, &action] { action = [options] { return plot(*options); }; });
+}
+
+}  // namespace resilin::cli

@@ -1,0 +1,68 @@
+// `resilin plot RUN`.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "program.hpp"
+#include "temporary_folder.hpp"
+
+namespace resilin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Plots : ::testing::Test {
+  TemporaryFolder folder;
+  void SetUp() override {
+    std::filesystem::create_directory(folder.path() / "out");
+    folder.write("out/report.json", R"({"status": "done", "title": "A & B", "dimension": 2, "frames": [
+      {"step": 0, "time": 0.0, "load": 0.0, "energy": {"elastic": 0.0},
+       "probes": {"tip": {"displacement": [0.0, 0.0]}}, "reactions": {"wall": [0.0, 0.0]}, "contacts": []},
+      {"step": 1, "time": 0.5, "load": 0.5, "energy": {"elastic": 2.0},
+       "probes": {"tip": {"displacement": [3.0, -4.0]}}, "reactions": {"wall": [1.0, 0.0]},
+       "contacts": [{"bodies": ["a", "b"], "force": [0.0, 2.5]}]}]})");
+  }
+  ProgramResult plot(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"plot", "out"});
+    return run_program(folder.path(), arguments);
+  }
+};
+
+TEST_F(Plots, ListTheNamesWithUnits) {
+  const ProgramResult list = plot({"--list"});
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  for (const char* name : {"time [s]\n", "load\n", "energy.elastic [J]\n", "probe.tip.displacement.y [m]\n",
+                           "reaction.wall [N]\n", "contact.a.b.force.y [N]\n"})
+    EXPECT_THAT(list.out, HasSubstr(name));
+}
+
+/// A vector alone is its length; where bodies do not touch there is no number.
+TEST_F(Plots, PrintTheNumbersOfTheReport) {
+  const ProgramResult table = plot({"--y", "probe.tip.displacement", "--y", "contact.a.b.force.y"});
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_EQ(table.out, "time [s],probe.tip.displacement [m],contact.a.b.force.y [N]\n0,0,\n0.5,5,2.5\n");
+}
+
+TEST_F(Plots, WriteATableAndAPicture) {
+  const ProgramResult both = plot({"--x", "probe.tip.displacement.x", "--y", "reaction.wall.x", "--title",
+                                   "a < b", "--out", "c.csv", "--out", "c.svg"});
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(read_text_file(folder.path() / "c.csv"),
+            "probe.tip.displacement.x [m],reaction.wall.x [N]\n0,0\n3,1\n");
+  const std::string picture = read_text_file(folder.path() / "c.svg");
+  for (const char* part : {"<svg xmlns=\"http://www.w3.org/2000/svg\"", "a &lt; b", "reaction.wall.x [N]",
+                           "probe.tip.displacement.x [m]", "<polyline"})
+    EXPECT_THAT(picture, HasSubstr(part));
+}
+
+TEST_F(Plots, RefuseInOneLineWhatTheyCannotPlot) {
+  EXPECT_THAT(plot({"--y", "reaction.wal.x"}).err, HasSubstr("did you mean \"reaction.wall.x\"?"));
+  EXPECT_THAT(plot({"--x", "tine", "--y", "load"}).err, HasSubstr("did you mean \"time\"?"));
+  EXPECT_THAT(plot({}).err, HasSubstr("--list prints all names"));
+  const ProgramResult ending = plot({"--y", "load", "--out", "a.pdf"});
+  EXPECT_EQ(ending.exit_code, 1);
+  EXPECT_THAT(ending.err, HasSubstr("a name that ends in .csv or .svg"));
+  EXPECT_EQ(run_program(folder.path(), {"plot", "nowhere", "--list"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace resilin::testing
