@@ -210,6 +210,7 @@ export class LiveApp {
     this.panel.setState(hello.state);
     this.shell.warnings.set(hello.state.warnings);
     this.headUp.setDimension(hello.dimension);
+    this.strip.setDimension(hello.dimension);
     this.shell.addBodies(
       (body) => this.panel?.chooseBody(body),
       () => {},
@@ -244,6 +245,8 @@ export class LiveApp {
   private noteRemoval({ type }: PageMessage): void {
     if (type === "unpin_all" && this.state)
       this.history.add("all pins", ...this.state.pinned.map((vertex): PageMessage => ({ type: "pin", vertex })));
+    if (type === "free_faces") this.tools?.noteAllRemoved("hold", "all fixed faces");
+    if (type === "remove_loads") this.tools?.noteAllRemoved("load", "all loads on faces");
   }
 
   private undo(): void {

@@ -1,7 +1,8 @@
 /** The last seconds of a live scene: milliseconds of a step, and energies. */
 
-import { Chart } from "./charts";
+import { Chart, type Series } from "./charts";
 import { element } from "./dom";
+import { perDepth } from "./numbers";
 import type { Status } from "./protocol";
 
 const KEPT = 200; // status messages: about 20 s
@@ -9,18 +10,23 @@ const KEPT = 200; // status messages: about 20 s
 export class Strip {
   readonly root: HTMLElement;
   private readonly steps: Chart;
-  private readonly energies: Chart;
+  private energies: Chart;
+  private dimension: 2 | 3 = 3;
   private readonly history: Status[] = [];
 
   constructor() {
-    const chart = (title: string, quantity: string, series: { label: string; unit: string }[]) =>
-      new Chart({ title, series, height: 96, legend: true, axis: "time [s]", quantity });
     this.steps = chart("Time of a step", "step", [{ label: "step", unit: "s" }]);
-    this.energies = chart("Energy", "energy", [
-      { label: "elastic", unit: "J" },
-      { label: "kinetic", unit: "J" },
-    ]);
+    this.energies = chartOfEnergies(this.dimension);
     this.root = element("div", { class: "card strip", data: "strip" }, this.steps.root, this.energies.root);
+  }
+
+  /** Energies of a scene in 2D are those of a metre of depth. */
+  setDimension(dimension: 2 | 3): void {
+    if (dimension === this.dimension) return;
+    this.dimension = dimension;
+    this.energies.destroy();
+    this.energies = chartOfEnergies(dimension);
+    this.root.append(this.energies.root);
   }
 
   add(status: Status): void {
@@ -39,4 +45,16 @@ export class Strip {
     this.steps.redraw();
     this.energies.redraw();
   }
+}
+
+function chart(title: string, quantity: string, series: Series[]): Chart {
+  return new Chart({ title, series, height: 96, legend: true, axis: "time [s]", quantity });
+}
+
+function chartOfEnergies(dimension: 2 | 3): Chart {
+  const unit = perDepth("J", dimension);
+  return chart("Energy", "energy", [
+    { label: "elastic", unit },
+    { label: "kinetic", unit },
+  ]);
 }

@@ -11,6 +11,14 @@ import type { Viewport } from "./viewport";
 
 export type Tool = "hand" | "pin" | "poke" | "hold" | "load";
 
+type FaceMessage = Extract<PageMessage, { type: "hold" | "load" }>;
+
+/** A click on a face, and where on the body it was. */
+interface Touch {
+  hit: Hit;
+  message: FaceMessage;
+}
+
 const PIN_REACH = 14; // pixels within which a click means a pin that is there
 
 export class Tools {
@@ -27,6 +35,9 @@ export class Tools {
   private readonly plane = new THREE.Plane();
   private unsent = false;
   private pinned: number[] = [];
+  private lastTouch: Touch | null = null; // until the program shows its face
+  private touches: Record<FaceMessage["type"], Map<string, Touch>> = { hold: new Map(), load: new Map() }; // by vertices
+  private restored: Record<FaceMessage["type"], Touch[]> = { hold: [], load: [] }; // by undo, not yet shown
   private readonly grabbed = new THREE.Vector3();
 
   constructor(
@@ -132,8 +143,9 @@ export class Tools {
     const hit = this.viewport.pickAt(at.x, at.y);
     if (!hit) return;
     const { faceAngle: angle, faceRadius: radius } = this;
-    const message: PageMessage = { type: "hold", vertex: hit.vertex, point: hit.point.toArray(), angle, radius };
+    const message: FaceMessage = { type: "hold", vertex: hit.vertex, point: hit.point.toArray(), angle, radius };
     this.history.add("a fixed face", message); // a second time frees it
+    this.lastTouch = { hit, message };
     this.connection.send(message);
   }
 
@@ -143,7 +155,7 @@ export class Tools {
     if (!hit) return;
     const { faceAngle: angle, faceRadius: radius, loadKind: kind } = this;
     const value = kind === "force" ? this.loadForce : this.loadPressure;
-    const message: PageMessage = {
+    const message: FaceMessage = {
       type: "load",
       vertex: hit.vertex,
       point: hit.point.toArray(),
@@ -153,10 +165,46 @@ export class Tools {
       value,
     };
     this.history.add("a load on a face", message);
+    this.lastTouch = { hit, message };
     this.connection.send(message);
   }
 
+  /** Undo puts back the faces that were clicked on this page, at their places on the body by then. */
+  noteAllRemoved(type: FaceMessage["type"], what: string): void {
+    const touches = [...this.touches[type].values()];
+    if (touches.length === 0) return;
+    const { viewport } = this;
+    const again = ({ hit, message }: Touch): FaceMessage => ({
+      ...message,
+      point: placeOf(hit, viewport.frame!.positions, new THREE.Vector3()).toArray(),
+    });
+    this.history.addLater(what, () => {
+      this.restored[type] = [...touches];
+      return touches.map(again);
+    });
+  }
+
+  /** Keeps the clicks of faces that are there; a face that is new is that of the last click. */
+  private followFaces(type: FaceMessage["type"], faces: { vertices: number[] }[]): void {
+    const known = this.touches[type];
+    const present = new Map<string, Touch>();
+    for (const key of faces.map(({ vertices }) => vertices.join())) {
+      const touch = known.get(key) ?? this.restored[type].shift() ?? this.takeLastTouch(type);
+      if (touch) present.set(key, touch);
+    }
+    this.touches[type] = present;
+  }
+
+  private takeLastTouch(type: FaceMessage["type"]): Touch | null {
+    const touch = this.lastTouch;
+    if (touch?.message.type !== type) return null;
+    this.lastTouch = null;
+    return touch;
+  }
+
   setState(state: State, client: number): void {
+    this.followFaces("hold", state.held);
+    this.followFaces("load", state.loads ?? []);
     this.pinned = state.pinned;
     this.viewport.setHeld(state.held.flatMap(({ vertices }) => vertices));
     this.viewport.setLoads(state.loads ?? []);
