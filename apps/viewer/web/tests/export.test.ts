@@ -1,4 +1,4 @@
-/** What plots are saved as, and the buttons of a telephone that lies on its side. */
+/** Saved plots, and the buttons of a telephone that lies on its side. */
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
