@@ -114,11 +114,10 @@ TEST(SceneFile, NamesTheNearestKnownKey) {
 TEST(SceneFile, SaysWhatIsNotAvailable) {
   EXPECT_THAT(error_with({"simulation.dimension=axisymmetric"}),
               AllOf(HasSubstr("got \"axisymmetric\""), HasSubstr("not available (docs/limits.md)")));
-  EXPECT_THAT(error_with({"joint=[]"}), HasSubstr("not available (docs/limits.md)"));
   EXPECT_THAT(error_with({"body.0.material.law=plasticity"}), HasSubstr("not available (docs/limits.md)"));
   EXPECT_THAT(error_with({"body.0.element=shell"}), HasSubstr("not available (docs/limits.md)"));
   EXPECT_THAT(error_with({"solver.kind=gpu"}), HasSubstr("not available (docs/limits.md)"));
-  EXPECT_THAT(error_with({"load.0.kind=joint"}), HasSubstr("not available (docs/limits.md)"));
+  EXPECT_THAT(error_with({"load.0.kind=creep"}), HasSubstr("not available (docs/limits.md)"));
   EXPECT_THAT(error_with({"load.0.kind=follower_load"}), HasSubstr("it is called \"pressure\" here"));
 }
 

@@ -24,6 +24,9 @@ constexpr std::array rows = {
     Row{"constraint",
         "constraints linear_constraint multipoint_constraint mpc equation equations periodic periodicity "
         "periodic_boundary coupling rigid_link"},
+    Row{"joint", "joints hinge revolute ball_joint spherical connector linkage pivot"},
+    Row{"spring", "springs elastic_band rubber_band"},
+    Row{"cable", "cables tendon tendons rope string wire"},
     Row{"load",
         "neumann force forces moment moments torque traction pressure body_force dead_load follower_load "
         "surface_load cload dload dsload neumann_boundary pressure_boundary"},
@@ -122,12 +125,11 @@ constexpr std::array rows = {
 
     // features that are not available
     Row{"", "axisymmetric axisymmetry axi cax", "", "no axisymmetry"},
-    Row{"", "joint joints hinge connector", "", "joints"},
     Row{"", "plasticity plastic elastoplastic yield_stress von_mises_plasticity", "", "no plasticity"},
     Row{"", "damage fracture crack", "", "fracture"},
     Row{"", "creep", "", "creep"},
     Row{"", "thermal temperature heat thermal_expansion", "", "heat"},
-    Row{"", "shell shells membrane cloth rod truss wire", "", "no shells, membranes, rods"},
+    Row{"", "shell shells membrane cloth rod truss", "", "no shells, membranes, rods"},
     Row{"", "orthotropic anisotropic", "", "no orthotropic elasticity"},
     Row{"", "gpu cuda opencl device", "", "no gpu"},
     Row{"", "explicit central_difference", "", "no explicit integrator"},

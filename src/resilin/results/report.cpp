@@ -94,6 +94,19 @@ Json frame_json(const Frame& frame, int dimension) {
   for (std::size_t i = 0; i < frame.reactions.size(); ++i) {
     json["reaction_moments"][frame.reactions[i].first] = moment_json(frame.reaction_torques[i], dimension);
   }
+  for (const Frame::RigidMotion& body : frame.rigid_bodies) {
+    const Eigen::Quaterniond& q = body.rotation;
+    json["rigid_bodies"][body.name] = {{"position", vector_json(body.position, dimension)},
+                                       {"rotation", {q.w(), q.x(), q.y(), q.z()}},
+                                       {"velocity", vector_json(body.velocity, dimension)},
+                                       {"angular_velocity", moment_json(body.angular_velocity, dimension)}};
+  }
+  for (const JointForce& joint : frame.joints)
+    json["joints"][joint.name] = {{"force", vector_json(joint.force, dimension)},
+                                  {"moment", moment_json(joint.moment, dimension)},
+                                  {"value", joint.value}};
+  for (const Frame::CableForce& cable : frame.cables)
+    json["cables"][cable.name] = {{"force", cable.force}, {"length", cable.length}};
   for (const auto& [body, region, elastic_energy] : frame.regions)
     json["regions"][body][region]["energy"] = elastic_energy;
   json["sections"] = Json::object();

@@ -29,6 +29,8 @@ void check_names(const Description& description) {
   check_unique_names(description.bodies);
   // The report lists them all as reactions.
   check_unique_names(description.fixes, description.ties, description.constraints, description.colliders);
+  check_unique_names(description.joints);
+  check_unique_names(description.springs, description.cables);
   check_unique_names(description.loads);
   check_unique_names(description.probes);
   check_unique_names(description.sections);

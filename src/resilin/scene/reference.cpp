@@ -75,6 +75,18 @@ std::vector<TableDoc> scene_tables() {
                "Linear constraint between displacements, which is eliminated; its force is reported "
                "([constraints](boundary_conditions.md#linear-constraints)).",
                constraint_keys()),
+      document("[[joint]]",
+               "Joint between two rigid bodies, or between one and the ground; its force is reported "
+               "([joints](rigid.md#joints)).",
+               joint_keys()),
+      document(
+          "[[spring]]",
+          "Spring between two points of bodies or of the ground ([springs](rigid.md#springs-and-cables)).",
+          spring_keys()),
+      document("[[cable]]",
+               "Cable (tendon) through points of bodies, with one tension "
+               "([cables](rigid.md#springs-and-cables)).",
+               cable_keys()),
       where_doc(),
       time_function_doc(),
       document(

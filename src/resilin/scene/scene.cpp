@@ -50,8 +50,9 @@ void take_plane_stress(Description& d) {
 
 void read_root(const SceneNode& root, Description& d) {
   refuse_fit(root);
-  refuse_unknown_keys(root, {"title", "simulation", "body", "fix", "tie", "constraint", "load", "collider",
-                             "contact", "newton", "solver", "probe", "section", "step", "output"});
+  refuse_unknown_keys(
+      root, {"title", "simulation", "body", "fix", "tie", "constraint", "joint", "spring", "cable", "load",
+             "collider", "contact", "newton", "solver", "probe", "section", "step", "output"});
   if (root.has("title")) d.title = read_text(root.child("title"));
   read_optional(root, "simulation", simulation_keys(), d);
   if (root.has("contact")) read_contact(root.child("contact"), d.contact);
@@ -62,6 +63,9 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "fix", d.fixes, read_fix);
   read_list(root, "tie", d.ties, read_tie);
   read_list(root, "constraint", d.constraints, read_constraint);
+  read_list(root, "joint", d.joints, read_joint);
+  read_list(root, "spring", d.springs, read_spring);
+  read_list(root, "cable", d.cables, read_cable);
   read_list(root, "load", d.loads, read_load);
   read_list(root, "collider", d.colliders, read_collider);
   read_list(root, "probe", d.probes, read_probe);

@@ -85,6 +85,14 @@ void read_tie(const SceneNode& node, TieDescription& tie);
 Keys<ConstraintDescription> constraint_keys();
 void read_constraint(const SceneNode& node, ConstraintDescription& constraint);
 
+// joint_table.cpp
+Keys<JointDescription> joint_keys();
+Keys<CableDescription> spring_keys();
+Keys<CableDescription> cable_keys();
+void read_joint(const SceneNode& node, JointDescription& joint);
+void read_spring(const SceneNode& node, CableDescription& spring);
+void read_cable(const SceneNode& node, CableDescription& cable);
+
 // time_table.cpp
 void read_time_function(const SceneNode& node, TimeFunction& function);
 TableDoc time_function_doc();

@@ -8,6 +8,7 @@
 #include "resilin/simulation/step_attempt.hpp"
 #include "resilin/simulation/turning_step.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 // Steps as long as an estimate of their error allows: the part of TimeStepper that chooses them.
 
@@ -44,7 +45,8 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
     double square = 0;
     for (int k = 0; k < world.dimension; ++k) {
       const Eigen::Index i = Eigen::Index{node} * world.dimension + k;
-      if (world.is_fixed[static_cast<std::size_t>(i)] == 0) square += vectors[i] * vectors[i];
+      const bool follows = world.constraints && world.dependents()->is_dependent(static_cast<Index>(i));
+      if (world.is_fixed[static_cast<std::size_t>(i)] == 0 || follows) square += vectors[i] * vectors[i];
     }
     largest = square > largest || std::isnan(square) ? square : largest;
   }
@@ -103,16 +105,17 @@ double TimeStepper::step_error(const World& world, Newton& newton, const State& 
   const bool touches = world.share.any(!by_contact.isZero(0));
   const Conditions end = conditions_after(state, time_step);
   const Terms terms = terms_without(EnergyCategory::contact, world.terms);
-  newton.form_matrix(Potential(terms, world.is_fixed, end, found.last_stage, world.share, state.history),
-                     world.is_fixed, found.end.positions,
-                     touches ? Newton::Factors::anew : Newton::Factors::of_search);
+  newton.form_matrix(
+      Potential(terms, world.is_fixed, end, found.last_stage, world.share, state.history, world.dependents()),
+      world.is_fixed, found.end.positions, touches ? Newton::Factors::anew : Newton::Factors::of_search);
   // (M/c^2 + K)^-1 M/c^2 e, (I.8)
   const auto filtered_distance = [&](const VectorX& way) {
     VectorX forces;
     world.mass->multiply(way / found.last_stage.scale(), forces);
     world.share.add_copies(forces);
-    const std::optional<VectorX> filtered =
-        newton.response(std::move(forces), world.is_fixed, filter_tolerance);
+    if (world.constraints) world.dependents()->add_forces(forces);
+    std::optional<VectorX> filtered = newton.response(std::move(forces), world.is_fixed, filter_tolerance);
+    if (filtered && world.constraints) world.dependents()->follow(*filtered);
     return largest_free_distance(world, filtered ? *filtered : way);
   };
   const double distance = filtered_distance(error);

@@ -10,13 +10,42 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/optimize/residual.hpp"
 #include "resilin/simulation/rigid_fit.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
 
+/// Without what is prescribed; what follows other unknowns moves with them.
 VectorX free_part(const World& world, VectorX values) {
-  set_fixed_to_zero(world.is_fixed, values);
-  return values;
+  if (world.dependents() == nullptr) {
+    set_fixed_to_zero(world.is_fixed, values);
+    return values;
+  }
+  VectorX free = values;
+  set_fixed_to_zero(world.is_fixed, free);
+  for (const Dependents::Relation& relation : world.dependents()->relations())
+    free[relation.unknown] = values[relation.unknown];
+  return free;
+}
+
+/// Differences of the ways of dependent unknowns from what follows, where anything moves them.
+VectorX way_of_constants(const World& world, const VectorX& way) {
+  VectorX moved = VectorX::Zero(way.size());
+  if (!world.constraints || world.constraints->functions.empty()) return moved;
+  VectorX following = way;
+  world.dependents()->follow(following);
+  return way - following;
+}
+
+/// Adds the inertia of what follows others to the forces on what it follows.
+void add_inertia_of_dependents(const World& world, const VectorX& accelerations, VectorX& reactions) {
+  if (world.dependents() == nullptr || accelerations.size() == 0) return;
+  VectorX pull, of_dependents = VectorX::Zero(reactions.size());
+  world.mass->multiply(accelerations, pull);
+  for (const Dependents::Relation& relation : world.dependents()->relations())
+    of_dependents[relation.unknown] = pull[relation.unknown];
+  world.dependents()->add_forces(of_dependents);
+  reactions += of_dependents;
 }
 
 double product(const World& world, const VectorX& a, const VectorX& b) {
@@ -37,12 +66,14 @@ std::optional<double> work_of_supports(const World& world, const State& start, c
                                        const Potential& after) {
   VectorX way = end.positions - start.positions;
   VectorX free_way = free_part(world, way);
-  way -= free_way;
+  way += way_of_constants(world, way) - free_way;
   if (world.share.all(way.isZero(0))) return std::nullopt;
   VectorX reactions;
   after.gradient(end.positions, reactions);
+  add_inertia_of_dependents(world, end.accelerations, reactions);
   const double work_after = world.share.dot(reactions, way);
   Potential::at(world, start).gradient(start.positions, reactions);
+  add_inertia_of_dependents(world, start.accelerations, reactions);
   const double work_before = world.share.dot(reactions, way);
   double work = std::max(work_before, work_after);
   if (!world.mass->is_lumped()) {
@@ -140,7 +171,8 @@ double round_off_energy(const World& world, double strain_stiffness, const Vecto
 bool slow_down(const World& world, const VectorX& positions, double excess, bool only_within,
                VectorX& velocities) {
   const VectorX v = free_part(world, velocities);
-  const VectorX d = only_within ? free_part(world, without_rigid_motion(world, positions, v)) : v;
+  VectorX d = only_within ? free_part(world, without_rigid_motion(world, positions, v)) : v;
+  if (world.dependents() != nullptr) world.dependents()->follow(d);
   const double slope = product(world, v, d), curvature = product(world, d, d);
   const double discriminant = slope * slope - 2 * curvature * excess;
   if (!(discriminant >= 0) || !(slope > 0)) return false;

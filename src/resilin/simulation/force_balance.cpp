@@ -119,11 +119,19 @@ double rounding_of(const World& world, const Body& body, const VectorX& rounding
 
 namespace {
 
-/// dE/dx of all that acts on bodies but for supports: loads, inertia, contact, what ties and constraints pass
-/// on.
+/// dE/dx of all that acts on bodies but for supports: loads, inertia, contact, springs and cables, what ties
+/// and constraints pass on.
 std::vector<VectorX> acting_on_bodies(const World& world, const Potential& potential, const VectorX& x,
                                       const VectorX& gradient) {
   std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+  const auto add = [&](const Cable& cable) {
+    if (cable.properties().category != EnergyCategory::elastic) return;
+    acting.push_back(VectorX::Zero(x.size()));
+    cable.add_gradient(x, potential.conditions(), acting.back());
+  };
+  for (const auto& cable : world.cables) add(*cable);
+  for (const Joint& joint : world.joints)
+    if (joint.distance) add(*joint.distance);
   if (world.constraints) acting.push_back(world.constraints->forces(gradient));
   return acting;
 }

@@ -6,10 +6,13 @@
 #include <limits>
 #include <map>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/rigid_fit.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/linear_constraints.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
@@ -21,6 +24,7 @@ void move_to_scene_coordinates(const Vector3& origin, Frame& frame) {
   for (std::size_t i = 0; i < frame.reactions.size(); ++i)
     frame.reaction_torques[i] += origin.cross(frame.reactions[i].second);
   for (SectionForce& section : frame.sections) section.center += origin;
+  for (Frame::RigidMotion& body : frame.rigid_bodies) body.position += origin;
 }
 
 /// To the force of a collider.
@@ -72,6 +76,34 @@ void find_worst_of_all(const World& world, Frame& frame) {
       is_here ? world.cell_number(static_cast<std::size_t>(frame.worst_body), frame.worst_cell) : infinity);
   frame.worst_body = static_cast<int>(body);
   frame.worst_cell = static_cast<Index>(cell);
+}
+
+Frame::RigidMotion rigid_motion(const World& world, const Body& body, const State& state) {
+  const int dim = world.dimension;
+  const RigidShape& shape = *body.rigid;
+  const auto centre = [&](const VectorX& values) {
+    Vector3 sum = Vector3::Zero();
+    for (Eigen::Index a = 0; a < shape.centre_shares.size(); ++a)
+      sum += shape.centre_shares[a] * node_position(dim, body.first_node + static_cast<Index>(a), values);
+    return sum;
+  };
+  const auto edges = [&](const VectorX& values, double beyond) {
+    Eigen::MatrixXd E = beyond * Eigen::MatrixXd::Identity(3, 3);
+    const Vector3 first = node_position(dim, body.first_node, values);
+    for (int k = 0; k < dim; ++k) E.col(k) = node_position(dim, body.first_node + k + 1, values) - first;
+    return E;
+  };
+  const Eigen::MatrixXd inverse = dense::inverse(edges(world.rest_positions, 1));
+  const Eigen::MatrixXd F = edges(state.positions, 1) * inverse;
+  const Matrix<3> R = nearest_rotation(F);
+  Frame::RigidMotion motion{.name = body.name, .position = centre(state.positions)};
+  motion.rotation = Eigen::Quaterniond(R);
+  if (motion.rotation.w() < 0) motion.rotation.coeffs() *= -1;
+  if (!world.is_dynamic) return motion;
+  motion.velocity = centre(state.velocities);
+  const Eigen::MatrixXd W = edges(state.velocities, 0) * inverse * dense::inverse(F);
+  motion.angular_velocity = 0.5 * Vector3(W(2, 1) - W(1, 2), W(0, 2) - W(2, 0), W(1, 0) - W(0, 1));
+  return motion;
 }
 
 }  // namespace
@@ -126,6 +158,13 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
          .velocity = world.share.sum(at_probe(state.velocities))});
   }
 
+  for (const Body& body : world.bodies)
+    if (body.rigid) frame.rigid_bodies.push_back(rigid_motion(world, body, state));
+  for (const auto& cable : world.cables)
+    frame.cables.push_back({.name = std::string(cable->name()),
+                            .force = cable->force(state.positions, conditions),
+                            .length = cable->length(state.positions)});
+
   if (world.contact) frame.contacts = world.contact->body_contacts(state.positions, conditions);
 
   for (const Section& section : world.sections) frame.sections.push_back(section.measure(state.positions));
@@ -154,9 +193,11 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     frame.reactions[k].second = world.share.sum(frame.reactions[k].second);
     frame.reaction_torques[k] = world.share.sum(frame.reaction_torques[k]);
   }
+  frame.joints = joint_forces(world, conditions, *step_gradient, state.positions);
   if (world.constraints) {
     const std::vector<Reaction> held = world.constraints->reactions(dim, *step_gradient, state.positions);
     for (std::size_t i = 0; i < held.size(); ++i) {
+      if (world.constraints->names[i].empty()) continue;  // joints have their own place
       frame.reactions.emplace_back(world.constraints->names[i], held[i].force);
       frame.reaction_torques.push_back(held[i].torque);
     }

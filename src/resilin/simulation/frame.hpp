@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,6 +25,22 @@ struct Frame {
   struct RegionEnergy {
     std::string body, region;   ///< names; the body's own material is ""
     double elastic_energy = 0;  ///< [J]
+  };
+
+  /// Motion of a rigid body.
+  struct RigidMotion {
+    std::string name;
+    Vector3 position = Vector3::Zero();          ///< position of the centre of mass [m]
+    Eigen::Quaterniond rotation{1, 0, 0, 0};     ///< from the placed reference configuration; w >= 0
+    Vector3 velocity = Vector3::Zero();          ///< velocity of the centre of mass [m/s]
+    Vector3 angular_velocity = Vector3::Zero();  ///< [rad/s]
+  };
+
+  /// A spring or a cable.
+  struct CableForce {
+    std::string name;
+    double force = 0;   ///< its tension; negative where a spring pushes [N]
+    double length = 0;  ///< [m]
   };
 
   struct ModeValues {
@@ -70,6 +87,10 @@ struct Frame {
   std::vector<SurfaceContact::BodyContact> contacts;
 
   std::vector<RegionEnergy> regions;  ///< regions of bodies that have regions
+
+  std::vector<RigidMotion> rigid_bodies;
+  std::vector<JointForce> joints;
+  std::vector<CableForce> cables;  ///< springs, then cables
 
   std::vector<SectionForce> sections;  ///< section forces of the cuts that the scene asks for
 

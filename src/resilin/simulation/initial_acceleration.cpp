@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "resilin/energy/time_function.hpp"
+#include "resilin/linear/dependents.hpp"
 #include "resilin/linear/linear_solver.hpp"
 #include "resilin/optimize/residual.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -17,16 +18,19 @@ constexpr double mass_tolerance = 1e-14;  ///< mass matrices are well conditione
 
 /// Solves M a = b over the free unknowns; `a` and `b` are zero at the others.
 VectorX solve_with_mass(const World& world, const VectorX& b) {
-  BlockMatrix matrix(world.dimension, world.mass->pattern);
+  const Dependents* dependents = world.dependents();
+  BlockMatrix matrix(world.dimension, dependents == nullptr ? world.mass->pattern : world.pattern);
   world.mass->add_to(1, matrix);
+  if (dependents != nullptr) dependents->reduce(matrix);
   eliminate(matrix, world.is_fixed);
-  const bool is_whole = world.share.is_whole();
+  const bool is_whole = world.share.is_whole() && dependents == nullptr;
   const auto solver = make_linear_solver({.kind = is_whole ? "cg_jacobi" : "auto", .share = world.share},
                                          world.num_free_unknowns());
   solver->analyze(matrix, world.start_positions);
   solver->factorize(matrix);
   VectorX a = VectorX::Zero(b.size());
   solver->solve(matrix, b, a, mass_tolerance);
+  if (dependents != nullptr) dependents->follow(a);
   return a;
 }
 
@@ -50,8 +54,9 @@ Terms smooth_terms(const World& world) {
 
 VectorX accelerations_by(const World& world, const VectorX& forces) {
   VectorX right_side = forces;
+  if (world.dependents() != nullptr) world.dependents()->add_forces(right_side);
   set_fixed_to_zero(world.is_fixed, right_side);
-  if (!world.mass->is_lumped()) return solve_with_mass(world, right_side);
+  if (!world.mass->is_lumped() || world.dependents() != nullptr) return solve_with_mass(world, right_side);
   VectorX masses = world.mass->nodal;
   world.share.add_copies(masses);
   for (Eigen::Index i = 0; i < right_side.size(); ++i)
@@ -67,8 +72,8 @@ VectorX accelerations_at(const World& world, const State& state, const VectorX& 
   VectorX gradient;
   potential.gradient(state.positions, gradient);
   if (!world.share.all(gradient.allFinite()))
-    gradient.setZero();  // a start outside the domain pulls nowhere in particular
-  VectorX a = VectorX::Zero(gradient.size());
+    gradient.setZero();                        // a start outside the domain pulls nowhere in particular
+  VectorX a = VectorX::Zero(gradient.size());  // the prescribed part
   for (Eigen::Index i = 0; i < a.size(); ++i)
     if (world.is_fixed[static_cast<std::size_t>(i)] != 0) a[i] = prescribed[i];
   VectorX pull;

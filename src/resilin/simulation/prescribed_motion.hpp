@@ -7,7 +7,7 @@
 namespace resilin {
 
 /// The prescribed motion at a time, written into the fixed unknowns of `motion`; those without a support
-/// stand still.
+/// stand still, and those that follow others do so.
 void prescribe_motion_at(const World& world, double time, Motion& motion);
 
 /// The same at the time of a stage. A stage whose unknown is a mean takes the mean motion of the step, which
@@ -17,5 +17,12 @@ void prescribe_motion(const World& world, const State& start, double time_step, 
 
 /// Lets the stage give the fixed unknowns their prescribed velocities and accelerations.
 void follow_prescribed(const World& world, const Motion& prescribed, Stage& stage);
+
+/// The constants of what follows other unknowns at the time of a stage, likewise its mean ones; zero
+/// elsewhere. Empty where nothing follows.
+Motion constants_of_stage(const World& world, const State& start, double time_step, const Stage& stage);
+
+/// Lets the stage give what follows others the velocities and accelerations that follow.
+void follow_others(const World& world, const Motion& constants, Stage& stage);
 
 }  // namespace resilin

@@ -10,20 +10,6 @@
 namespace resilin {
 namespace {
 
-/// The rotation R with the largest sum of t . R r, from A = sum of t r^T.
-Eigen::MatrixXd best_rotation(const Eigen::MatrixXd& A) {
-  if (A.rows() == 2) return Eigen::Rotation2Dd(std::atan2(A(1, 0) - A(0, 1), A(0, 0) + A(1, 1))).matrix();
-  // Horn 1987: the quaternion is the eigenvector of the largest eigenvalue.
-  Eigen::MatrixXd N(4, 4);
-  N.bottomRightCorner(3, 3) = A + A.transpose() - A.trace() * Eigen::MatrixXd::Identity(3, 3);
-  N(0, 0) = A.trace();
-  N(1, 0) = N(0, 1) = A(2, 1) - A(1, 2);
-  N(2, 0) = N(0, 2) = A(0, 2) - A(2, 0);
-  N(3, 0) = N(0, 3) = A(1, 0) - A(0, 1);
-  const VectorX q = dense::symmetric_eigenpairs(N).vectors.col(3);
-  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
-}
-
 VectorX summed(const Share& share, VectorX values) {
   share.sum(std::span(values.data(), static_cast<std::size_t>(values.size())));
   return values;
@@ -36,6 +22,19 @@ VectorX of_first_process(const Share& share, VectorX values) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd nearest_rotation(const Eigen::MatrixXd& A) {
+  if (A.rows() == 2) return Eigen::Rotation2Dd(std::atan2(A(1, 0) - A(0, 1), A(0, 0) + A(1, 1))).matrix();
+  // Horn 1987: the quaternion is the eigenvector of the largest eigenvalue.
+  Eigen::MatrixXd N(4, 4);
+  N.bottomRightCorner(3, 3) = A + A.transpose() - A.trace() * Eigen::MatrixXd::Identity(3, 3);
+  N(0, 0) = A.trace();
+  N(1, 0) = N(0, 1) = A(2, 1) - A(1, 2);
+  N(2, 0) = N(0, 2) = A(0, 2) - A(2, 0);
+  N(3, 0) = N(0, 3) = A(1, 0) - A(0, 1);
+  const VectorX q = dense::symmetric_eigenpairs(N).vectors.col(3);
+  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+}
 
 bool is_free(const World& world, const Body& body, std::span<const std::uint8_t> is_fixed) {
   const Eigen::Index dim = world.dimension;
@@ -74,7 +73,7 @@ VectorX rigidly_fitted(const World& world, std::span<const std::uint8_t> is_fixe
     if (!is_free(world, body, is_fixed)) continue;
     Eigen::MatrixXd A = block(momenta, body) * block(held, body).transpose();
     world.share.sum(std::span(A.data(), static_cast<std::size_t>(A.size())));
-    const Eigen::MatrixXd turned = best_rotation(A) * block(held, body);
+    const Eigen::MatrixXd turned = nearest_rotation(A) * block(held, body);
     const VectorX center =
         of_first_process(world.share, block(target, body).col(0) - block(wanted, body).col(0));
     block(fitted, body) = turned.colwise() + center;

@@ -4,6 +4,9 @@
 
 namespace resilin {
 
+/// The rotation R with the largest sum of t . R r, from A = sum of t r^T in 2D or 3D.
+Eigen::MatrixXd nearest_rotation(const Eigen::MatrixXd& A);
+
 /// Whether no unknown of a body is fixed; vertices that no cell uses aside.
 bool is_free(const World& world, const Body& body, std::span<const std::uint8_t> is_fixed);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "resilin/linear/dependents.hpp"
 #include "resilin/optimize/convergence.hpp"
 #include "resilin/simulation/rigid_fit.hpp"
 #include "resilin/simulation/step.hpp"
@@ -37,7 +38,7 @@ class Clock {
 /// the potential. @return whether it did
 bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed, const Flight& flight,
                    const VectorX& shape, VectorX& x) {
-  if (flight.world == nullptr) return false;
+  if (flight.world == nullptr || potential.dependents() != nullptr) return false;
   const VectorX held = x;
   VectorX fitted = rigidly_fitted(*flight.world, is_fixed, shape, flight.places, x);
   const Share& share = flight.world->share;
@@ -95,7 +96,10 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
                         Newton& newton, VectorX& x, const NewtonObserver& observer) {
   const Clock clock(budget, observer);
   const bool may_fly = flight.world != nullptr || flight.places.size() > 0;
-  const VectorX held = may_fly ? x : VectorX();
+  VectorX held = may_fly ? x : VectorX();
+  if (may_fly && potential.dependents() != nullptr)  // their constants
+    for (const Dependents::Relation& relation : potential.dependents()->relations())
+      held[relation.unknown] = targets[relation.unknown];
   StageReport report;
   NewtonReport& total = report.newton;
   const auto is_over = [&] { return clock.is_over() || total.iterations >= budget.iterations; };

@@ -14,6 +14,7 @@
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/simulation/step_attempt.hpp"
 #include "resilin/simulation/turning_step.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -22,7 +23,8 @@ namespace {
 bool follows(const World& world, const VectorX& positions, const VectorX& prescribed) {
   bool is_astray = false;
   for (Eigen::Index i = 0; i < positions.size() && !is_astray; ++i)
-    is_astray = world.is_fixed[static_cast<std::size_t>(i)] != 0 && positions[i] != prescribed[i];
+    is_astray = world.is_fixed[static_cast<std::size_t>(i)] != 0 && positions[i] != prescribed[i] &&
+                !(world.constraints && world.dependents()->is_dependent(static_cast<Index>(i)));
   return !world.share.any(is_astray);
 }
 
@@ -77,6 +79,12 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     Motion prescribed{before, zero, zero};
     prescribe_motion(world, state, time_step, stage, prescribed);
     follow_prescribed(world, prescribed, stage);
+    const Motion constants = constants_of_stage(world, state, time_step, stage);
+    follow_others(world, constants, stage);
+    VectorX targets = prescribed.positions;
+    if (world.constraints)
+      for (const Dependents::Relation& relation : world.dependents()->relations())
+        targets[relation.unknown] = constants.positions[relation.unknown];
     Conditions conditions = conditions_after(state, stage.time_fraction * time_step);
     const double end = conditions.time + stage.time_to_end();
     conditions.collider_delay = end - colliders_reached;
@@ -84,7 +92,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     VectorX x = before;
     const Flight flying = flight(world, world.is_fixed, potential, stage, world.gravity, x);
     const StageReport searched =
-        solve_stage(potential, world.is_fixed, prescribed.positions, flying, newton_settings(world),
+        solve_stage(potential, world.is_fixed, targets, flying, newton_settings(world),
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);
     const NewtonReport& search = searched.newton;
     report.friction.add(searched);
@@ -141,7 +149,9 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
     if (world.share.any(!contact.isZero(0))) {
       attempt.touches = true;
       const double often = stage.count_of_impulse();
-      attempt.gradient += (1 / often - 1) * contact;
+      VectorX passed_on = contact;
+      if (world.constraints) world.dependents()->add_forces(passed_on);
+      attempt.gradient += (1 / often - 1) * passed_on;
       if (integrator_->looks_back() || world.adaptive) {
         const VectorX by_contact = accelerations_by(world, -contact);
         found.accelerations -= by_contact;

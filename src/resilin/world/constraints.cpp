@@ -42,6 +42,7 @@ class Maker {
 
   void add(const TieDescription& tie);
   void add(const ConstraintDescription& constraint);
+  void add(const JointDescription& description, const Joint& joint);
   std::shared_ptr<const LinearConstraints> build() const {
     const std::shared_ptr<LinearConstraints> all = system_.build();
     if (all) all->tied_bodies = tied_bodies_;
@@ -63,6 +64,7 @@ class Maker {
   std::vector<std::int32_t> support_of_;
   RelationSystem system_;
   std::vector<std::array<std::size_t, 2>> tied_bodies_;
+  std::ptrdiff_t joint_owner_ = -1;
 };
 
 std::vector<Index> Maker::nodes_of(const Where& where, std::size_t body, const std::string& place) const {
@@ -161,6 +163,23 @@ void Maker::add(const ConstraintDescription& constraint) {
     case ConstraintKind::periodic:
       return add_periodic(constraint);
   }
+}
+
+// One owner stands for all joints: their forces are found together (joint.hpp).
+void Maker::add(const JointDescription& description, const Joint& joint) {
+  if (joint_owner_ < 0) joint_owner_ = static_cast<std::ptrdiff_t>(system_.add_name(""));
+  for (const Joint::Point& point : joint.points)
+    for (int k = 0; k < dim_; ++k) {
+      std::vector<Weight> terms;
+      for (const auto& [node, weight] : point.nodes) terms.push_back({node * dim_ + k, weight});
+      try {
+        system_.add_equation(static_cast<std::size_t>(joint_owner_), std::move(terms), {}, description.place);
+      } catch (const InputError&) {
+        throw InputError(
+            description.place, "a joint with a body that boundary conditions leave free to follow",
+            "one between points that [[fix]] and other joints hold", "leave the joint or a [[fix]] out");
+      }
+    }
 }
 
 void Maker::add_equal(const ConstraintDescription& constraint) {
@@ -265,27 +284,30 @@ void Maker::add_periodic(const ConstraintDescription& constraint) {
 
 std::shared_ptr<const LinearConstraints> make_constraints(const Description& description, const World& world,
                                                           std::span<const BodyMesh> meshes) {
-  if (description.ties.empty() && description.constraints.empty()) return nullptr;
+  if (description.ties.empty() && description.constraints.empty() && description.joints.empty())
+    return nullptr;
   Maker maker(world, meshes);
   // Equations choose who follows, ties do not.
   for (const TieDescription& tie : description.ties) maker.add(tie);
   for (const ConstraintDescription& constraint : description.constraints) maker.add(constraint);
+  for (std::size_t i = 0; i < world.joints.size(); ++i) maker.add(description.joints[i], world.joints[i]);
   return maker.build();
 }
 
 ContactDescription contact_beside_ties(const Description& description) {
   ContactDescription contact = description.contact;
-  for (const TieDescription& tie : description.ties) {
-    const auto& follower = tie.surfaces[0];
-    const auto& leader = tie.surfaces[1];
+  const auto part = [&contact](const std::string& place, const std::string& a, const std::string& b) {
     const auto is_theirs = [&](const ContactPairDescription& pair) {
-      return (pair.bodies[0] == follower.body && pair.bodies[1] == leader.body) ||
-             (pair.bodies[0] == leader.body && pair.bodies[1] == follower.body);
+      return (pair.bodies[0] == a && pair.bodies[1] == b) || (pair.bodies[0] == b && pair.bodies[1] == a);
     };
     if (std::ranges::none_of(contact.pairs, is_theirs))
-      contact.pairs.push_back(
-          {.place = tie.place, .bodies = {follower.body, leader.body}, .is_enabled = false, .friction = {}});
-  }
+      contact.pairs.push_back({.place = place, .bodies = {a, b}, .is_enabled = false, .friction = {}});
+  };
+  for (const TieDescription& tie : description.ties)
+    part(tie.place, tie.surfaces[0].body, tie.surfaces[1].body);
+  for (const JointDescription& joint : description.joints)
+    if (joint.bodies.size() == 2 && joint.kind != JointKind::distance)
+      part(joint.place, joint.bodies[0], joint.bodies[1]);
   return contact;
 }
 
@@ -295,7 +317,13 @@ void refuse_constraints(const Description& description, const std::string& what)
   if (place.empty() && !description.constraints.empty()) place = description.constraints.front().place;
   if (!place.empty())
     throw InputError(place, "a scene without ties and constraints for " + what, "one with them",
-                     "leave them out, or run it as a static scene");
+                     "leave them out, or run it as a static or dynamic scene");
+  if (!description.joints.empty()) place = description.joints.front().place;
+  if (!description.springs.empty()) place = description.springs.front().place;
+  if (!description.cables.empty()) place = description.cables.front().place;
+  if (!place.empty())
+    throw InputError(place, "a scene without joints, springs and cables for " + what, "one with them",
+                     "leave them out, or run it as a static or dynamic scene");
 }
 
 }  // namespace resilin

@@ -14,10 +14,11 @@ namespace resilin {
 std::shared_ptr<const LinearConstraints> make_constraints(const Description& description, const World& world,
                                                           std::span<const BodyMesh> meshes);
 
-/// The contact that the scene asks for, but for bodies that are tied to each other.
+/// The contact that the scene asks for, but for bodies that are tied or joined to each other.
 ContactDescription contact_beside_ties(const Description& description);
 
-/// Throws InputError, naming the first tie or constraint, where a scene has any: `what` is not possible then.
+/// Throws InputError, naming the first tie, constraint, joint, spring or cable, where a scene has any: `what`
+/// is not possible then.
 void refuse_constraints(const Description& description, const std::string& what);
 
 }  // namespace resilin

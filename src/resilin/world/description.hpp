@@ -276,6 +276,50 @@ struct TieDescription {
   std::optional<double> max_distance;   ///< [m]; default half the size of the facets that follow
 };
 
+/// Kinds of joints between rigid bodies.
+enum class JointKind { ball, hinge, fixed, distance };
+constexpr std::array<std::string_view, 4> spellings(JointKind) {
+  return {"ball", "hinge", "fixed", "distance"};
+}
+
+/// The motor of a hinge: the second body turns by the angle against the first, or against the ground.
+struct MotorDescription {
+  double position = 0;              ///< at a factor 1 [rad]
+  std::optional<double> stiffness;  ///< [N m/rad]; default from the stiffness of the rigid bodies
+  TimeFunction time_function;
+};
+
+struct JointDescription {
+  std::string place = "joint";
+  std::string name;
+  JointKind kind = JointKind::ball;
+  std::vector<std::string> bodies;  ///< two, or one that is joined to the ground
+  Vector3 at = Vector3::Zero();     ///< as placed [m]
+  Vector3 axis = Vector3::UnitZ();  ///< hinge
+  std::optional<Vector3> to;        ///< distance: the point of the second body, or of the ground [m]
+  std::optional<MotorDescription> motor;
+};
+
+/// A point that a body carries.
+struct AnchorDescription {
+  std::string place = "points";
+  std::string body;              ///< empty: the ground
+  Vector3 at = Vector3::Zero();  ///< as placed [m]
+};
+
+/// A spring between two points, or a cable through several.
+struct CableDescription {
+  std::string place = "cable";
+  std::string name;
+  std::vector<AnchorDescription> points;
+  double stiffness = 0;               ///< [N/m]
+  std::optional<double> rest_length;  ///< [m]; default its length at rest
+  bool tension_only = false;
+  std::optional<double> tension;  ///< in place of a stiffness, at a factor 1 [N]
+  double shortening = 0;          ///< change of the rest length at a factor 1 [m]
+  TimeFunction time_function;
+};
+
 /// Forms of a linear constraint.
 enum class ConstraintKind { equal, equation, periodic };
 constexpr std::array<std::string_view, 3> spellings(ConstraintKind) {
@@ -380,6 +424,8 @@ struct Description {
   std::vector<FixDescription> fixes;
   std::vector<TieDescription> ties;
   std::vector<ConstraintDescription> constraints;
+  std::vector<JointDescription> joints;
+  std::vector<CableDescription> springs, cables;
   std::vector<LoadDescription> loads;
   std::vector<ColliderDescription> colliders;
   ContactDescription contact;

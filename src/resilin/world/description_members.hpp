@@ -43,6 +43,11 @@ RESILIN_MEMBERS(TieDescription, place, name, surfaces, closes_gap, max_distance)
 RESILIN_MEMBERS(ConstraintTerm, place, body, where, axis, coefficient)
 RESILIN_MEMBERS(ConstraintDescription, place, name, kind, body, where, components, terms, value, gradient,
                 time_function)
+RESILIN_MEMBERS(MotorDescription, position, stiffness, time_function)
+RESILIN_MEMBERS(JointDescription, place, name, kind, bodies, at, axis, to, motor)
+RESILIN_MEMBERS(AnchorDescription, place, body, at)
+RESILIN_MEMBERS(CableDescription, place, name, points, stiffness, rest_length, tension_only, tension,
+                shortening, time_function)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
 RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)
@@ -52,6 +57,7 @@ RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
 RESILIN_MEMBERS(ModesOptions, count, is_loaded)
 RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator,
                 adaptive, modes, load_steps, load_control, max_steps, unstable_modes, on_jump, bodies, fixes,
-                ties, constraints, loads, colliders, contact, probes, sections, newton, solver, output)
+                ties, constraints, joints, springs, cables, loads, colliders, contact, probes, sections,
+                newton, solver, output)
 
 }  // namespace resilin

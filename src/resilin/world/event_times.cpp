@@ -19,9 +19,15 @@ bool follows_time(const Description& description) {
   const auto follows = [](const ConstraintDescription& constraint) {
     return !constraint.time_function.is_constant();
   };
+  const auto has_function = [](const auto& entry) { return !entry.time_function.is_constant(); };
+  const auto has_motor = [&](const JointDescription& joint) {
+    return joint.motor && has_function(*joint.motor);
+  };
   const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
   return std::ranges::any_of(description.fixes, varies) ||
          std::ranges::any_of(description.constraints, follows) ||
+         std::ranges::any_of(description.joints, has_motor) ||
+         std::ranges::any_of(description.cables, has_function) ||
          std::ranges::any_of(description.loads, varies) ||
          std::ranges::any_of(description.loads, is_windowed) ||
          std::ranges::any_of(description.colliders, moves) ||
@@ -36,10 +42,14 @@ std::vector<double> event_times(const Description& description) {
     if (entry.until) times.push_back(*entry.until);
   };
   for (const FixDescription& fix : description.fixes) add(fix);
-  for (const ConstraintDescription& constraint : description.constraints) {
-    const std::vector<double> kinks = constraint.time_function.kinks();
+  const auto add_function = [&times](const auto& entry) {
+    const std::vector<double> kinks = entry.time_function.kinks();
     times.insert(times.end(), kinks.begin(), kinks.end());
-  }
+  };
+  for (const ConstraintDescription& constraint : description.constraints) add_function(constraint);
+  for (const CableDescription& cable : description.cables) add_function(cable);
+  for (const JointDescription& joint : description.joints)
+    if (joint.motor) add_function(*joint.motor);
   for (const ColliderDescription& collider : description.colliders) add(collider);
   for (const LoadDescription& load : description.loads) {
     add(load);

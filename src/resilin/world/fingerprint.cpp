@@ -224,8 +224,9 @@ std::string key_of(std::string_view member) {
 
 std::string table_of(std::string_view list) {
   constexpr std::pair<std::string_view, const char*> tables[] = {
-      {"bodies", "body"}, {"fixes", "fix"},         {"ties", "tie"}, {"constraints", "constraint"},
-      {"loads", "load"},  {"colliders", "collider"}};
+      {"bodies", "body"},       {"fixes", "fix"},      {"ties", "tie"},     {"constraints", "constraint"},
+      {"joints", "joint"},      {"springs", "spring"}, {"cables", "cable"}, {"loads", "load"},
+      {"colliders", "collider"}};
   for (const auto& [name, table] : tables)
     if (list == name) return table;
   return std::string(list);
@@ -260,7 +261,7 @@ class Entries {
   template <class T>
   void add_part(const std::string& member, const std::vector<T>& list) {
     const std::string table = table_of(member);
-    const bool is_rare = member == "ties" || member == "constraints";
+    const bool is_rare = is_one_of(member, {"ties", "constraints", "joints", "springs", "cables"});
     if (is_rare && list.empty()) return;  // as before there were any
     std::vector<std::string> names;       // so that one that is new or gone is named as such
     for (const T& entry : list) names.push_back(text(entry.name));
@@ -306,6 +307,14 @@ class Entries {
   }
   void add(const std::string& key, const std::vector<ConstraintTerm>& terms) {
     for (std::size_t i = 0; i < terms.size(); ++i) add(key + "." + std::to_string(i), terms[i]);
+  }
+  void add(const std::string& key, const std::vector<AnchorDescription>& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) add(key + "." + std::to_string(i), points[i]);
+  }
+  void add(const std::string& key, const std::vector<std::string>& names) {
+    std::vector<std::string> words;
+    for (const std::string& each : names) words.push_back(text(each));
+    entries_.emplace_back(key, join(words));
   }
   void add(const std::string& key, const std::vector<RegionDescription>& regions) {
     if (regions.empty()) return;

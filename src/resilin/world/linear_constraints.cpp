@@ -79,6 +79,22 @@ void set_constants(const World& world, const Conditions& conditions, VectorX& ta
   }
 }
 
+void set_constants(const World& world, double time, Motion& constants) {
+  if (!world.constraints) return;
+  set_constants(world, {.time = time}, constants.positions);
+  const LinearConstraints& all = *world.constraints;
+  for (std::size_t row = 0; row < all.constants.size(); ++row) {
+    const Index unknown = all.dependents.relations()[row].unknown;
+    constants.velocities[unknown] = constants.accelerations[unknown] = 0;
+    for (const Constant& constant : all.constants[row]) {
+      if (constant.function < 0) continue;
+      const TimeFunction& function = all.functions[static_cast<std::size_t>(constant.function)];
+      constants.velocities[unknown] += constant.value * function.rate(time);
+      constants.accelerations[unknown] += constant.value * function.second_rate(time);
+    }
+  }
+}
+
 RelationSystem::RelationSystem(int dim, const VectorX& rest_positions,
                                const std::vector<std::int32_t>& support_of)
     : dim_(dim), rest_positions_(rest_positions), support_of_(support_of), entry_of_(support_of.size(), -1) {}

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "resilin/energy/time_function.hpp"
+#include "resilin/integrator/stage.hpp"
 #include "resilin/linear/dependents.hpp"
 #include "resilin/world/world.hpp"
 
@@ -52,6 +53,9 @@ struct LinearConstraints {
 
 /// Writes the constants of the dependent unknowns of a world, if there are any, into `targets`.
 void set_constants(const World& world, const Conditions& conditions, VectorX& targets);
+
+/// Likewise of a world in motion at a time [s], with their first and second rates.
+void set_constants(const World& world, double time, Motion& constants);
 
 /// Collects relations between displacements, one after another.
 class RelationSystem {

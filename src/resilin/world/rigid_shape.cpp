@@ -229,12 +229,14 @@ class Maker {
     const Dense L = axes.vectors * axes.values.cwiseSqrt().asDiagonal();
     const std::optional<Hull> held = held_place(given, *shape, extent);
     place_control_nodes(held ? &*held : nullptr, moments.mean(), L, *shape);
+    shape->centre_shares = shape->masses.rowwise().sum() / shape->mass;
     if (density == 0) {
       shape->mass = 0;
       shape->masses.setZero();
     }
     const Moduli moduli = moduli_of(given, rigid, density, extent);
     shape->contact_modulus = moduli.of_contact;
+    shape->modulus = moduli.of_stretching;
     describe(given, *shape, moduli.of_stretching, made);
     return shape;
   }

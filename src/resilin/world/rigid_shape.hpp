@@ -24,6 +24,8 @@ struct RigidShape {
   Index num_held = 0;
   double mass = 0;             ///< [kg]
   Eigen::MatrixXd masses;      ///< the exact mass matrix of the control nodes [kg]
+  VectorX centre_shares;       ///< shares of the control nodes in the centre of mass
+  double modulus = 0;          ///< Young's modulus against stretching [Pa]
   double contact_modulus = 0;  ///< stands in contact for Young's modulus [Pa]
 
   int dimension() const { return element->dim; }

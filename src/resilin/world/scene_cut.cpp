@@ -63,6 +63,8 @@ void require_distributable(const World& world) {
       refuse(scene + ": collider \"" + std::string(collider->name()) + '"',
              "a sphere that is small beside the facets of a body",
              "refine the mesh or run it on one process");
+  if (!world.joints.empty()) refuse(scene + ": joint", "joints");
+  if (!world.cables.empty()) refuse(scene + ": spring or cable", "springs and cables");
   if (world.constraints) refuse(scene + ": tie or constraint", "ties and linear constraints");
   if (world.friction) refuse(scene + ": friction", "friction");
   if (!world.sections.empty()) refuse(scene + ": section", "a section force");

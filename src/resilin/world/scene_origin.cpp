@@ -89,6 +89,13 @@ Description with_origin(const Description& description, const Vector3& origin) {
     move(constraint.where, by);
     for (ConstraintTerm& term : constraint.terms) move(term.where, by);
   }
+  for (JointDescription& joint : moved.joints) {
+    joint.at += by;
+    if (joint.to) *joint.to += by;
+  }
+  for (std::vector<CableDescription>* list : {&moved.springs, &moved.cables})
+    for (CableDescription& cable : *list)
+      for (AnchorDescription& point : cable.points) point.at += by;
   for (LoadDescription& load : moved.loads) {
     move(load.where, by);
     if (load.point) *load.point += by;

@@ -21,6 +21,7 @@
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
+#include "resilin/world/joint_maker.hpp"
 #include "resilin/world/loads.hpp"
 #include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/plausibility.hpp"
@@ -118,6 +119,8 @@ class Builder {
   void add_probe(std::size_t number);
   void add_section(const SectionDescription& section);
   void note_origin(const TermOrigin& origin);
+  void add_joints();
+  void add_coupled(std::shared_ptr<Energy> term, const TermOrigin& origin);
   void add_constraints();
   void build_pattern();
   void add_masses();
@@ -131,6 +134,7 @@ class Builder {
   std::vector<BodyMesh> meshes_;
   std::vector<std::vector<DomainMaterial>> materials_;  ///< materials of each body
   std::vector<std::shared_ptr<Energy>> coupling_;       ///< terms whose couplings make up the pattern
+  std::vector<TermOrigin> coupled_origins_;             ///< origins of those of joints, springs and cables
 };
 
 void Builder::build() {
@@ -150,6 +154,7 @@ void Builder::build() {
   for (std::size_t i = 0; i < description_.loads.size(); ++i) add_load(i);
   for (std::size_t i = 0; i < description_.probes.size(); ++i) add_probe(i);
   for (const SectionDescription& section : description_.sections) add_section(section);
+  if (part_ == nullptr) add_joints();
   add_constraints();
   build_pattern();
   add_masses();
@@ -159,6 +164,7 @@ void Builder::build() {
     for (std::size_t d = 0; d < world_.bodies[b].domains.size(); ++d)
       world_.origins.push_back({Kind::domain, b, d});
   for (std::size_t i = 0; i < description_.loads.size(); ++i) world_.origins.push_back({Kind::load, i});
+  world_.origins.insert(world_.origins.end(), coupled_origins_.begin(), coupled_origins_.end());
   if (description_.gravity.head(world_.dimension).norm() > 0)
     world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
   note_origin({Kind::gravity});
@@ -324,9 +330,32 @@ void Builder::add_section(const SectionDescription& section) {
 /// Whatever the last lines have added to the terms is made of this.
 void Builder::note_origin(const TermOrigin& origin) { world_.origins.resize(world_.terms.size(), origin); }
 
+/// Joints, springs and cables.
+void Builder::add_joints() {
+  for (std::size_t i = 0; i < description_.joints.size(); ++i) {
+    const JointDescription& joint = description_.joints[i];
+    world_.joints.push_back(make_joint(joint, world_));
+    if (std::shared_ptr<Energy> term = make_joint_term(joint, world_, world_.joints.back()))
+      add_coupled(std::move(term), {TermOrigin::Kind::joint, i});
+  }
+  const auto add = [&](const std::vector<CableDescription>& list, TermOrigin::Kind kind) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      std::shared_ptr<Cable> cable = make_cable(list[i], world_);
+      world_.cables.push_back(cable);
+      add_coupled(std::move(cable), {kind, i});
+    }
+  };
+  add(description_.springs, TermOrigin::Kind::spring);
+  add(description_.cables, TermOrigin::Kind::cable);
+}
+
+void Builder::add_coupled(std::shared_ptr<Energy> term, const TermOrigin& origin) {
+  coupling_.push_back(std::move(term));
+  coupled_origins_.push_back(origin);
+}
+
 void Builder::add_constraints() {
   if (part_ != nullptr) return;  // which have none
-  if (world_.is_dynamic) refuse_constraints(description_, "dynamics");
   if (world_.modes) refuse_constraints(description_, "modal analysis");
   if (world_.follows_path) refuse_constraints(description_, "arc length");
   world_.constraints = make_constraints(description_, world_, meshes_);

@@ -16,6 +16,7 @@
 #include "resilin/world/description.hpp"
 #include "resilin/world/domain.hpp"
 #include "resilin/world/fingerprint.hpp"
+#include "resilin/world/joint.hpp"
 #include "resilin/world/probe.hpp"
 #include "resilin/world/scene_part.hpp"
 #include "resilin/world/section.hpp"
@@ -63,6 +64,9 @@ struct TermOrigin {
     contact,
     friction,
     inertia,
+    joint,  ///< distance or motor of a joint
+    spring,
+    cable,
     viscous_damping,  ///< viscous damping of a domain
     mass_damping
   };
@@ -153,6 +157,8 @@ class World {
   std::vector<std::int32_t> support_of;  ///< per DOF: index of its boundary condition; -1: none
   /// Ties and linear constraints, whose dependent DOFs are among the fixed ones; null without any.
   std::shared_ptr<const LinearConstraints> constraints;
+  std::vector<Joint> joints;
+  std::vector<std::shared_ptr<const Cable>> cables;  ///< springs, then cables
   /// The unknowns that follow from others by these; null: none.
   const Dependents* dependents() const;
 

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "resilin/energy/dead_load.hpp"
+
+namespace resilin {
+
+/// A point that nodes carry, or one of the ground.
+struct CarriedPoint {
+  std::vector<WeightedNode> nodes{};  ///< weights sum to one; empty: the ground
+  Vector3 place = Vector3::Zero();    ///< place on the ground [m]
+
+  Vector3 at(int dim, const VectorX& x) const;
+};
+
+/// A cable through points, or a spring between two: an energy of the length l of the polygon,
+///
+///   E = k/2 (l - L + f(t) s)^2   or   E = f(t) T l.
+///
+/// Hessian: E'' g g^T + E' sum (1 - n n^T) / |p_i+1 - p_i| over the pieces, g = dl/dx. The first part is
+/// never negative, the second one has the sign of E'.
+class Cable final : public BasicEnergy {
+ public:
+  struct Law {
+    double stiffness = 0;             ///< k [N/m]
+    double rest_length = 0;           ///< L [m]
+    double shortening = 0;            ///< s [m]
+    std::optional<double> tension{};  ///< T [N]
+    bool tension_only = false;        ///< E = 0 where it would push
+    TimeFunction function{};          ///< f
+  };
+
+  Cable(std::string name, int dim, std::vector<CarriedPoint> points, Law law);
+
+  std::string_view name() const override { return name_; }
+  EnergyProperties properties() const override {
+    return {.category = law_.tension ? EnergyCategory::external : EnergyCategory::elastic};
+  }
+  double value(const VectorX& x, const Conditions& c) const override;
+  double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override;
+  void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override;
+  void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override;
+  void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
+                   BlockMatrix& hessian) const override;
+  void add_pattern(BlockPatternBuilder& builder) const override;
+  std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
+                                    const Conditions& after) const override;
+  void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
+
+  double length(const VectorX& x) const;
+  /// Negative where a spring pushes [N].
+  double force(const VectorX& x, const Conditions& c) const { return slope(length(x), c); }
+  const std::vector<CarriedPoint>& points() const { return points_; }
+  /// Direction from the first point to the second.
+  Vector3 first_direction(const VectorX& x) const;
+
+ private:
+  double stretch(double length, const Conditions& c) const;
+  double slope(double length, const Conditions& c) const;
+  double curvature(double length, const Conditions& c) const;
+  /// The vectors of the pieces; a piece without length pulls nowhere.
+  std::vector<Vector3> pieces(const VectorX& x) const;
+  /// dl/dp at each point.
+  std::vector<Vector3> pulls(const VectorX& x) const;
+  /// The block times both weights at all pairs of nodes of points i and j.
+  void add_blocks(std::size_t i, std::size_t j, const Matrix<3>& block, BlockMatrix& hessian) const;
+
+  std::string name_;
+  int dim_;
+  std::vector<CarriedPoint> points_;
+  Law law_;
+};
+
+}  // namespace resilin
