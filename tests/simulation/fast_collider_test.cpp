@@ -1,4 +1,4 @@
-// Colliders that would be through a body within one step.
+// Colliders that would be through a body within one step, and such as push it by many activation distances.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,6 +74,97 @@ TEST_P(AFastCollider, FallsBehindAndSaysSo) {
     expect_nothing_inside(simulation);
   }
   EXPECT_THAT(said, HasSubstr("behind its motion"));
+}
+
+struct Push {
+  int iterations = 0;
+  double largest_force = 0, last_force = 0;  ///< on the bodies, along -x [N]
+};
+
+/// Runs to the end; the last reaction is that of what pushes.
+Push push_of(const Description& scene) {
+  Simulation simulation(scene);
+  Push push;
+  while (!simulation.is_finished()) {
+    const StepReport report = simulation.step();
+    EXPECT_EQ(report.status, StepReport::Status::converged) << report.reason;
+    EXPECT_EQ(simulation.state().collider_delay, 0);
+    push.iterations += report.newton.iterations;
+    push.last_force = -simulation.frame().reactions.back().second.x();
+    push.largest_force = std::max(push.largest_force, push.last_force);
+  }
+  expect_nothing_inside(simulation);
+  return push;
+}
+
+/// The bar is pressed by a fifth, at 32 activation distances in a step.
+Description bar_to_push(int dim, bool is_dynamic) {
+  Description scene = small_bar(dim, is_dynamic);
+  scene.gravity.setZero();
+  scene.load_steps = 10;
+  scene.bodies[0].name = "bar";
+  scene.bodies[0].material.law = "neo_hookean";
+  scene.fixes[0].body = "bar";
+  scene.probes.clear();
+  return scene;
+}
+
+/// A piece of the bar's end in its place, so short that it does not buckle.
+Description block_to_push(int dim, bool is_dynamic) {
+  Description scene = bar_to_push(dim, is_dynamic);
+  scene.bodies[0].mesh = dim == 3 ? make_box({0.25, 0.25, 0.25}, {2, 2, 2}, {0.75, 0, 0})
+                                  : make_rectangle({0.25, 0.25}, {2, 2}, {0.75, 0});
+  scene.fixes[0].where.at = 0.75;
+  return scene;
+}
+
+class AColliderThatPushes : public ::testing::TestWithParam<std::tuple<int, bool>> {};
+INSTANTIATE_TEST_SUITE_P(Family, AColliderThatPushes,
+                         ::testing::Combine(::testing::Values(2, 3), ::testing::Bool()));
+
+TEST_P(AColliderThatPushes, NeedsWhatAHeldBodyNeedsAndHasItsForce) {
+  const auto [dim, is_dynamic] = GetParam();
+  const Description alone = block_to_push(dim, is_dynamic);
+  Description with_body = alone;
+  BodyDescription tool;
+  tool.name = "tool";
+  tool.element = "P1";
+  tool.mesh = dim == 3 ? make_box({0.1, 0.8, 0.8}, {1, 1, 1}, {1.2, -0.275, -0.275})
+                       : make_rectangle({0.1, 0.8}, {1, 1}, {1.2, -0.275});
+  with_body.bodies.push_back(tool);
+  FixDescription held;
+  held.name = "tool";
+  held.body = "tool";
+  held.where.kind = Where::Kind::all;
+  (is_dynamic ? held.velocity : held.displacement) = {is_dynamic ? -1.25 : -0.25, 0, 0};
+  with_body.fixes.push_back(held);
+  const Push by_body = push_of(with_body);
+  EXPECT_GT(by_body.largest_force, 0);
+  for (const std::string kind : {"half_space", "box"}) {
+    Description scene = alone;
+    scene.colliders = {ram(kind, dim, is_dynamic ? 1.25 : 0)};
+    if (!is_dynamic) scene.colliders[0].displacement = {-0.25, 0, 0};
+    const Push push = push_of(scene);
+    EXPECT_NEAR(push.last_force, by_body.last_force, 0.03 * by_body.largest_force) << kind;
+    EXPECT_LT(push.iterations, 1.5 * by_body.iterations) << kind;
+  }
+}
+
+/// Round ones, too, and such as turn.
+TEST_P(AColliderThatPushes, IsNeverBehind) {
+  const auto [dim, is_dynamic] = GetParam();
+  for (const std::string kind : {"sphere", "capsule", "box"}) {
+    Description scene = bar_to_push(dim, is_dynamic);
+    scene.colliders = {ram(kind, dim, is_dynamic ? 2 : 0)};
+    if (!is_dynamic) scene.colliders[0].displacement = {-0.4, 0, 0};
+    scene.colliders[0].friction = 0.3;
+    if (kind == "box")
+      scene.colliders[0].rotate =
+          ColliderTurn{.axis = {0, 0, 1}, .center = {1.25, 0.125, 0}, .degrees_per_second = 50};
+    const Push push = push_of(scene);
+    EXPECT_GT(push.largest_force, 0) << kind;
+    EXPECT_LT(push.iterations, 400) << kind;
+  }
 }
 
 }  // namespace

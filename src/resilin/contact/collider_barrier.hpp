@@ -75,6 +75,9 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   Nearest nearest(const VectorX& x, const Conditions& c) const;
   /// The smallest distance from points and facets [m].
   double gap(const VectorX& x, const Conditions& c) const;
+  double relative_gap(const VectorX& x, const Conditions& c) const override {
+    return is_active_ ? gap(x, c) / activation_distance() : std::numeric_limits<double>::infinity();
+  }
   /// Distance of a point from the collider [m].
   double distance(const Vector3& point, const Conditions& c) const {
     return shape_->distance(rigid_place(c).inverse(point));

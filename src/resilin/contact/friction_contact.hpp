@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -94,6 +95,10 @@ class FrictionSource {
   virtual Eigen::Index num_stiffnesses() const { return 0; }
   /// Its own motion; null without one.
   virtual const ColliderMotion* motion_of_its_own() const { return nullptr; }
+  /// The smallest gap relative to the activation distance; infinite where nothing is near.
+  virtual double relative_gap(const VectorX& /*x*/, const Conditions& /*c*/) const {
+    return std::numeric_limits<double>::infinity();
+  }
 };
 
 }  // namespace resilin

@@ -115,6 +115,9 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   };
   /// The smallest gap below the activation distance, the first of several; infinite where none is.
   Gap smallest_gap(const VectorX& x, const Conditions& c = {}) const;
+  double relative_gap(const VectorX& x, const Conditions& c) const override {
+    return smallest_gap(x, c).distance / activation_distance();
+  }
   /// Whether that is less than 1e-6 of the activation distance.
   bool touches(const VectorX& x, const Conditions& c = {}) const;
 

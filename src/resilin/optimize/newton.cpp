@@ -58,12 +58,18 @@ NewtonReport Newton::Search::finish_out_of_digits() {
 /// How far the step may go. Where that is not far, because surfaces turn on the way, the step is corrected
 /// to second order first.
 double Newton::Search::longest_step(bool boundary_moves) {
-  objective.prepare(x, step);
-  double length = objective.max_step(x, step);
+  const double way = boundary_moves ? way_left() : 0;
+  const auto room_for = [&](const VectorX& p) {
+    way > 0 ? led->prepare_along(x, p, way) : objective.prepare(x, p);
+    return way > 0 ? led->max_step_along(x, p, way) : objective.max_step(x, p);
+  };
+  double length = room_for(step);
   VectorX forces, correction;
   for (int k = 0; k < most_corrections && length < short_step; ++k) {
     forces.setZero(x.size());
-    if (!objective.add_second_order_forces(x, step, forces)) break;
+    if (way > 0 ? !led->add_second_order_forces_along(x, step, way, forces)
+                : !objective.add_second_order_forces(x, step, forces))
+      break;
     set_fixed_to_zero(is_fixed, forces);
     correction.setZero(x.size());
     LinearReport linear;
@@ -75,8 +81,7 @@ double Newton::Search::longest_step(bool boundary_moves) {
     if (linear.status == LinearReport::Status::indefinite || !share.all(correction.allFinite())) break;
     if (dependents != nullptr) dependents->follow(correction);
     correction += step;
-    objective.prepare(x, correction);
-    const double longer = objective.max_step(x, correction);
+    const double longer = room_for(correction);
     if (!(longer > 2 * length) || !(boundary_moves || share.dot(correction, right_side) > 0)) break;
     step.swap(correction);
     length = longer;
@@ -211,8 +216,9 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
   newton.solver_->begin_search();
   newton.last_measure_.reset();  // there is no matrix yet
   int blocked_steps = 0, giving_way = 0;
+  const auto is_late = [&] { return 2 * report.iterations > settings.max_iterations; };
   VectorX gap = boundary_gap();
-  bool boundary_moves = gap.size() > 0;
+  bool boundary_moves = gap.size() > 0 || way_left() > 0;
   objective.prepare(x, VectorX::Zero(x.size()));
   objective.gradient(x, gradient);
   measure_residual();
@@ -234,11 +240,19 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
       return finish(Status::max_iterations, "the limit of Newton iterations was reached");
     }
     double length = 0;
-    const bool pushes = boundary_moves && giving_way == 0;
+    const bool leads = way_left() > 0;
+    const bool pushes = boundary_moves && giving_way == 0 && (!leads || led->has_room(x));
     const Outcome outcome = move(gap, pushes, length);
     if (boundary_moves && !pushes) {
-      --giving_way;
-      if (outcome != Outcome::moved) giving_way = 0;
+      giving_way = outcome == Outcome::moved ? std::max(giving_way - 1, 0) : 0;
+      // Pushed on, bodies that cannot give way would lose what distance is left.
+      const bool is_stuck =
+          outcome == Outcome::balanced ? leads && !led->has_room(x) : outcome != Outcome::moved || is_late();
+      if (leads && is_stuck) {
+        led->leave_way();
+        boundary_moves = gap.size() > 0;
+        continue;
+      }
     }
     if (coupling.is_on() && outcome != Outcome::balanced &&
         (outcome != Outcome::moved || coupling.fails(length, weighted_residual)) &&
@@ -263,17 +277,27 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
                           : "the stiffness matrix is singular: a part of the body can move freely");
       case Outcome::stalled:
         if (boundary_moves && !pushes) continue;
+        if (pushes && way_left() > 0) {
+          led->leave_way();
+          boundary_moves = gap.size() > 0;
+          continue;
+        }
         return finish(Status::stalled,
                       boundary_moves ? blocked_motion
                                      : "the line search found no lower energy along the Newton direction");
     }
     if (pushes) {
-      if (length < 0.05 && ++blocked_steps > most_blocked_steps)
-        return finish(Status::stalled, blocked_motion);
+      const bool is_blocked = length < 0.05 && ++blocked_steps > most_blocked_steps;
+      if (is_blocked && !(way_left() > 0)) return finish(Status::stalled, blocked_motion);
+      // The rest of its iterations the search needs for the bodies.
+      if (way_left() > 0 && (is_blocked || is_late())) {
+        led->leave_way();
+        blocked_steps = 0;
+      }
       if (length < short_boundary_step) giving_way = iterations_to_give_way;
       if (length == 1) land_on_targets(x);
       gap = boundary_gap();
-      boundary_moves = gap.size() > 0;
+      boundary_moves = gap.size() > 0 || way_left() > 0;
       if (!boundary_moves) {
         last_residual = 0;
         giving_way = 0;

@@ -9,6 +9,7 @@
 #include "resilin/linear/dependents.hpp"
 #include "resilin/optimize/convergence.hpp"
 #include "resilin/optimize/lag.hpp"
+#include "resilin/optimize/led_motion.hpp"
 #include "resilin/optimize/newton.hpp"
 #include "resilin/optimize/residual.hpp"
 
@@ -30,12 +31,17 @@ struct Newton::Search {
   static constexpr int most_corrections = 3;
   static constexpr double forcing_of_corrections = 1e-2;
 
+  /// Parts of a way that are tried, and the longest of one of another.
+  static constexpr int most_parts = 20;
+  static constexpr double longest_part = 0.99;
+
   Newton& newton;
   Objective& objective;
   std::span<const std::uint8_t> is_fixed;
   const VectorX& targets;
   const NewtonSettings& settings;
   VectorX& x;
+  LedMotion* led = dynamic_cast<LedMotion*>(&objective);  ///< null: nothing moves by itself
 
   const Dependents* const dependents{objective.dependents()};
   const Parts& parts{newton.parts_};
@@ -107,6 +113,9 @@ struct Newton::Search {
     if (dependents != nullptr && boundary_gap().size() == 0) dependents->place(targets, positions);
   }
 
+  /// Rest of the way of what moves by itself.
+  double way_left() const { return led == nullptr ? 0 : led->way_left(); }
+
   void measure_residual() {
     convergence.measure(x, gradient);
     weighted_residual = convergence.weighted_residual();
@@ -157,10 +166,17 @@ struct Newton::Search {
       newton.hessian_.set_zero();
       objective.hessian_at(internal, x, projection, newton.hessian_);
       right_side = -gradient;
-      if (boundary_moves) {
+      if (boundary_moves && gap.size() > 0) {
         VectorX pull;
         multiply(newton.hessian_, gap, pull);
         share.add_copies(pull);
+        if (dependents != nullptr) dependents->add_forces(pull);
+        right_side -= pull;
+      }
+      if (boundary_moves && way_left() > 0) {
+        BlockMatrix room(newton.hessian_.dim, newton.hessian_.pattern);
+        VectorX pull = VectorX::Zero(x.size());
+        led->add_pull(x, way_left(), projection, room, pull);
         if (dependents != nullptr) dependents->add_forces(pull);
         right_side -= pull;
       }
@@ -186,7 +202,7 @@ struct Newton::Search {
     direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
     if (dependents != nullptr) dependents->follow(step);
     if (direction.found && boundary_moves) {
-      step += gap;
+      if (gap.size() > 0) step += gap;
     } else if (direction.found) {
       direction.found = share.dot(step, right_side) > 0;
     }
@@ -379,20 +395,39 @@ struct Newton::Search {
     return share.sum(slope);
   }
 
+  /// The longest part of the step that is free: on arcs and uneven ways a part is none of the chord.
+  double free_part(double length) {
+    for (int part = 0; part < most_parts && length < 1; ++part) {
+      const VectorX part_of_step = length * step;
+      const double way = length * way_left();
+      led->prepare_along(x, part_of_step, way);
+      const double free = led->max_step_along(x, part_of_step, way);
+      if (free == 1) break;
+      length *= std::min(free, longest_part);
+    }
+    return length;
+  }
+
   /// While the boundary moves there is no energy to compare with: the step goes as far as the domain allows.
   LineSearch follow_boundary() {
     LineSearch result;
     result.length = longest_step(/*boundary_moves=*/true);
+    const double way = way_left();
+    if (way > 0) result.length = free_part(result.length);
     right_side.resize(0);
     for (int halving = 0; halving < 12; ++halving) {
       trial = x + result.length * step;
       gradient_at_trial_is_known = false;
-      if (std::isfinite(objective.difference(x, trial)) && knows_finite_forces()) {
+      if (way > 0) led->set_way_left(way - result.length * way);
+      const bool is_valid =
+          way > 0 ? led->is_in_domain(trial) : std::isfinite(objective.difference(x, trial));
+      if (is_valid && knows_finite_forces()) {
         result.accepted = true;
         return result;
       }
       result.length *= 0.5;
     }
+    if (way > 0) led->set_way_left(way);
     return result;
   }
 

@@ -6,12 +6,17 @@
 #include <stdexcept>
 #include <utility>
 
+#include "resilin/contact/friction_contact.hpp"
 #include "resilin/energy/history_term.hpp"
 #include "resilin/linear/dependents.hpp"
+#include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/end_of_stage.hpp"
 
 namespace resilin {
 namespace {
+
+/// Gap relative to the activation distance below which colliders wait for bodies to give way.
+constexpr double least_relative_gap = 1e-4;
 
 /// So often may terms disagree about how far they go, until they stay where they are.
 constexpr int most_rounds_of_delay = 50;
@@ -51,6 +56,8 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
       is_fixed_(is_fixed),
       dependents_(dependents),
       conditions_(conditions),
+      time_to_end_(stage.time_to_end()),
+      end_slope_(stage.end_slope()),
       base_positions_(stage.is_static() ? VectorX() : stage.base_positions),
       history_(std::move(history)) {
   const Eigen::Index num_history_values = count_history(terms);
@@ -352,6 +359,113 @@ double Potential::least_delay(const VectorX& x) const {
     if (delay >= behind) break;
   }
   return behind;
+}
+
+void Potential::lead_colliders(int dim, const VectorX& x) {
+  dim_ = dim;
+  Conditions after = conditions_;
+  after.collider_delay = 0;
+  const bool is_felt = std::ranges::any_of(terms_, [&](const Energy* term) {
+    return own_way(*term, conditions_.collider_delay) && term->value(x, after) != term->value(x, conditions_);
+  });
+  leads_colliders_ = share_.any(is_felt) || least_delay(x) > 0;
+  if (!leads_colliders_) conditions_ = after;
+}
+
+std::optional<RigidPlace> Potential::own_way(const Energy& term, double way) const {
+  const FrictionSource* source = term.friction_source();
+  const ColliderMotion* motion = source == nullptr ? nullptr : source->motion_of_its_own();
+  if (motion == nullptr || motion->keeps_place()) return std::nullopt;
+  // The very places, rounding and all, that the term will have.
+  const double end = conditions_.time + time_to_end_, delay = conditions_.collider_delay;
+  const RigidPlace from = motion->place(end - delay);
+  RigidPlace own = motion->place(end - (delay - way));
+  if (own.turn == from.turn) return RigidPlace{.turn = std::nullopt, .shift = own.shift - from.shift};
+  const Eigen::Matrix3d as_made = Eigen::Matrix3d::Identity();
+  own.turn = own.turn.value_or(as_made) * from.turn.value_or(as_made).transpose();
+  own.shift -= own.turned(from.shift);
+  return own;
+}
+
+VectorX Potential::end_of(const VectorX& x) const {
+  return end_slope_ == 1 ? x : VectorX(end_slope_ * x - (end_slope_ - 1) * base_positions_);
+}
+
+VectorX Potential::seen_from(const RigidPlace& own_way, const VectorX& x, const VectorX& p) const {
+  if (!own_way.turn) return p - (own_way.shift.head(dim_) / end_slope_).replicate(x.size() / dim_, 1);
+  const VectorX from = end_of(x), to = end_of(x + p);
+  VectorX seen(x.size());
+  for (Index node = 0; node < static_cast<Index>(x.size() / dim_); ++node) {
+    const Vector3 end = own_way.inverse(node_position(dim_, node, to));
+    seen.segment(Eigen::Index{node} * dim_, dim_) =
+        (end - node_position(dim_, node, from)).head(dim_) / end_slope_;
+  }
+  return seen;
+}
+
+// Steps that lead colliders are not judged by the energy: of each gap they may leave a tenth, one after the
+// other.
+bool Potential::has_room(const VectorX& x) const {
+  const VectorX end = end_of(x);
+  Conditions at_end = conditions_;
+  at_end.time += time_to_end_;
+  return share_.all(std::ranges::all_of(terms_, [&](const Energy* term) {
+    const FrictionSource* source = term->friction_source();
+    return source == nullptr || source->relative_gap(end, at_end) > least_relative_gap;
+  }));
+}
+
+void Potential::prepare_along(const VectorX& x, const VectorX& p, double way) {
+  for (const auto& term : own_) {
+    const std::optional<RigidPlace> own = own_way(*term, way);
+    term->prepare(x, own ? seen_from(*own, x, p) : p, conditions_);
+  }
+}
+
+double Potential::max_step_along(const VectorX& x, const VectorX& p, double way) const {
+  double step = 1;
+  for (const Energy* term : terms_) {
+    const std::optional<RigidPlace> own = own_way(*term, way);
+    step = std::min(step, term->max_step(x, own ? seen_from(*own, x, p) : p, conditions_));
+  }
+  return share_.smallest(step);
+}
+
+bool Potential::add_second_order_forces_along(const VectorX& x, const VectorX& p, double way,
+                                              VectorX& forces) const {
+  bool are_any = false;
+  for (const Energy* term : terms_) {
+    const std::optional<RigidPlace> own = own_way(*term, way);
+    are_any |= term->add_second_order_forces(x, own ? seen_from(*own, x, p) : p, conditions_, forces);
+  }
+  are_any = share_.any(are_any);
+  if (are_any) share_.add_copies(forces);
+  return are_any;
+}
+
+// A rigid motion R x + s of everything turns the forces g of a term by R. So where a term goes on by it alone
+// g becomes, to first order, R g less the Hessian times the motion of the nodes.
+void Potential::add_pull(const VectorX& x, double way, Projection projection, BlockMatrix& room,
+                         VectorX& forces) const {
+  const VectorX stays = VectorX::Zero(x.size());
+  VectorX pull = stays, gradient, product;
+  for (const Energy* term : terms_) {
+    const std::optional<RigidPlace> own = own_way(*term, way);
+    if (!own) continue;
+    gradient.setZero(x.size());
+    term->add_gradient(x, conditions_, gradient);
+    room.set_zero();
+    term->add_hessian(x, conditions_, projection, room);
+    multiply(room, seen_from(*own, x, stays), product);
+    pull += product;
+    if (!own->turn) continue;
+    for (Index node = 0; node < static_cast<Index>(x.size() / dim_); ++node) {
+      const Vector3 force = node_position(dim_, node, gradient);
+      pull.segment(Eigen::Index{node} * dim_, dim_) += (own->turned(force) - force).head(dim_);
+    }
+  }
+  share_.add_copies(pull);
+  forces += pull;
 }
 
 VectorX start_of_history(const Terms& terms, const VectorX& positions, double duration) {

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "resilin/contact/collider_motion.hpp"
+#include "resilin/optimize/led_motion.hpp"
 #include "resilin/optimize/objective.hpp"
 #include "resilin/world/state.hpp"
 #include "resilin/world/world.hpp"
@@ -12,7 +14,7 @@ namespace resilin {
 
 /// The sum of energies at given conditions in one stage of a step, in motion or in statics: what Newton
 /// minimises, and the one place where terms are added up.
-class Potential final : public Objective {
+class Potential final : public Objective, public LedMotion {
  public:
   /// The potential of any terms; a world has `at` and `in_stage`.
   /// @param terms, is_fixed  kept by reference
@@ -91,16 +93,42 @@ class Potential final : public Objective {
   /// itself; of terms with internal variables the stored energy, without their heat.
   Gain gain(const VectorX& from, const Conditions& before, const VectorX& to) const;
   /// The energy at x is finite.
-  bool is_in_domain(const VectorX& x) const;
+  bool is_in_domain(const VectorX& x) const override;
   /// How far behind terms that move by themselves have to be when bodies stand at x, at most
   /// `conditions().collider_delay` [s].
   double least_delay(const VectorX& x) const;
 
+  // ---- colliders that move by themselves, `conditions().collider_delay` behind
+
+  /// They are where they should be at once, if on their way none meets or leaves anything while bodies stand
+  /// at x; else a search leads them there, as it does supports.
+  void lead_colliders(int dim, const VectorX& x);
+  double way_left() const override { return leads_colliders_ ? conditions_.collider_delay : 0; }
+  void set_way_left(double way) override { conditions_.collider_delay = way; }
+  void leave_way() override { leads_colliders_ = false; }
+  bool has_room(const VectorX& x) const override;
+  void prepare_along(const VectorX& x, const VectorX& p, double way) override;
+  double max_step_along(const VectorX& x, const VectorX& p, double way) const override;
+  bool add_second_order_forces_along(const VectorX& x, const VectorX& p, double way,
+                                     VectorX& forces) const override;
+  void add_pull(const VectorX& x, double way, Projection projection, BlockMatrix& room,
+                VectorX& forces) const override;
+
  private:
+  /// From the place of a term's own motion to the one that is `way` further; none for a term that stays.
+  std::optional<RigidPlace> own_way(const Energy& term, double way) const;
+  /// The step p as a collider sees it that goes on by a rigid motion meanwhile.
+  VectorX seen_from(const RigidPlace& own_way, const VectorX& x, const VectorX& p) const;
+  /// Where the stage ends: there colliders meet bodies.
+  VectorX end_of(const VectorX& x) const;
+
   Share share_;
   std::span<const std::uint8_t> is_fixed_;
   const Dependents* dependents_;
   Conditions conditions_;
+  double time_to_end_, end_slope_;  ///< end of the stage, as Stage tells it
+  bool leads_colliders_ = false;
+  int dim_ = 0;                               ///< dimension; known where it does
   VectorX base_positions_;                    ///< base positions of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of

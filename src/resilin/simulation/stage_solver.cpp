@@ -11,9 +11,6 @@
 namespace resilin {
 namespace {
 
-constexpr int most_advances = 100;
-constexpr int iterations_to_give_way = 3;
-
 /// The observer that also looks at the clock.
 class Clock {
  public:
@@ -101,36 +98,26 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
     for (const Dependents::Relation& relation : potential.dependents()->relations())
       held[relation.unknown] = targets[relation.unknown];
   StageReport report;
+  potential.form_lag(x);
+  if (potential.conditions().collider_delay > 0)
+    potential.lead_colliders(static_cast<int>(x.size() / newton.parts().num_nodes()), x);
+  if (may_fly) report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
+  NewtonSettings allowed = settings;
+  allowed.lag_rounds = budget.friction_rounds;
+  allowed.max_iterations = std::min(allowed.max_iterations, budget.iterations);
   NewtonReport& total = report.newton;
-  const auto is_over = [&] { return clock.is_over() || total.iterations >= budget.iterations; };
-  const auto search = [&](const NewtonSettings& allowed) {
-    add_to(total, newton.minimize(potential, is_fixed, targets, allowed, x, clock.observer()));
-    // The time may be over with the very iteration that solved the stage.
-    if (total.status == NewtonReport::Status::interrupted && clock.is_over() &&
-        total.relative_residual() <= settings.tolerance)
-      total.status = NewtonReport::Status::converged;
-  };
-  for (int advance = 0;; ++advance) {
-    potential.form_lag(x);
-    Conditions conditions = potential.conditions();
-    conditions.collider_delay = potential.least_delay(x);
-    potential.set_conditions(conditions);
-    const bool is_last = conditions.collider_delay == 0 || advance == most_advances;
-    if (advance == 0 && may_fly)
-      report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
-    NewtonSettings allowed = settings;
-    allowed.lag_rounds = is_last ? budget.friction_rounds : 0;
-    if (!is_last) allowed.max_iterations = std::min(allowed.max_iterations, iterations_to_give_way);
-    search(allowed);
-    if (!is_last && !is_over() && total.status != NewtonReport::Status::interrupted) continue;
-    report.friction_rounds = total.lag_rounds;
-    report.friction_mismatch = total.lag_mismatch;
-    if (total.converged()) return report;
-    bool is_moved = fit_to_flight(potential, is_fixed, flight, x, x);
-    is_moved |= fit_to_flight(potential, is_fixed, flight, held, x);
-    if (is_moved) measure_again(potential, is_fixed, newton, x, total);
-    return report;
-  }
+  total = newton.minimize(potential, is_fixed, targets, allowed, x, clock.observer());
+  // The time may be over with the very iteration that solved the stage.
+  if (total.status == NewtonReport::Status::interrupted && clock.is_over() &&
+      total.relative_residual() <= settings.tolerance)
+    total.status = NewtonReport::Status::converged;
+  report.friction_rounds = total.lag_rounds;
+  report.friction_mismatch = total.lag_mismatch;
+  if (total.converged()) return report;
+  bool is_moved = fit_to_flight(potential, is_fixed, flight, x, x);
+  is_moved |= fit_to_flight(potential, is_fixed, flight, held, x);
+  if (is_moved) measure_again(potential, is_fixed, newton, x, total);
+  return report;
 }
 
 }  // namespace resilin
