@@ -25,6 +25,7 @@ namespace resilin {
 
 static_assert(std::endian::native == std::endian::little, "archives are little-endian");
 
+/// Numbers and enums, whose bytes are written as memory holds them.
 template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
@@ -32,6 +33,7 @@ concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <class T>
 concept FixedMatrix = requires { T::SizeAtCompileTime; } && (T::SizeAtCompileTime > 0);
 
+/// Writes values one after another into a string of bytes, for `ArchiveReader`.
 class ArchiveWriter {
  public:
   template <class... T>

@@ -13,6 +13,7 @@ using Matrix = Eigen::MatrixXd;
 Matrix product(const Matrix& A, const Matrix& B);             ///< A B
 Matrix transposed_product(const Matrix& A, const Matrix& B);  ///< A^T B
 
+/// Eigenvalues and eigenvectors of a symmetric matrix or pair of matrices.
 struct Eigenpairs {
   VectorX values;  ///< rising
   Matrix vectors;  ///< by columns
@@ -23,6 +24,7 @@ struct Eigenpairs {
 Eigenpairs symmetric_eigenpairs(const Matrix& A);
 VectorX symmetric_eigenvalues(const Matrix& A);
 
+/// Eigenvalues and eigenvectors of a symmetric 3 x 3 matrix.
 struct Eigenpairs3 {
   Vector3 values;              ///< rising
   resilin::Matrix<3> vectors;  ///< by columns
@@ -53,6 +55,7 @@ struct Reflections {
       order;  ///< order of the columns by their lengths, or empty: A.col(order[i]) = (Q R).col(i)
 };
 
+/// Householder QR without and with an exchange of columns.
 Reflections reflections(const Matrix& A);
 Reflections pivoted_reflections(const Matrix& A);
 
@@ -61,6 +64,7 @@ Matrix upper_triangle(const Reflections& factors);
 Matrix times(const Reflections& factors, const Matrix& X);             ///< Q X
 Matrix transposed_times(const Reflections& factors, const Matrix& X);  ///< Q^T X
 
+/// Singular values and right singular vectors.
 struct SingularValues {
   VectorX values;  ///< falling
   Matrix right;    ///< by columns

@@ -13,6 +13,7 @@ struct Members {
   std::tuple<T&...> values;
 };
 
+/// The members of a struct with their names, comma separated in `names`.
 template <class... T>
 Members<T...> make_members(std::string_view names, T&... values) {
   return {names, std::tie(values...)};
@@ -35,6 +36,7 @@ concept OneOf = std::is_same_v<std::remove_const_t<T>, U>;
     return ::resilin::make_members(#__VA_ARGS__, __VA_ARGS__); \
   }
 
+/// Structs that list their members by a function `members`.
 template <class T>
 concept HasMembers = requires(T& whole) { members(whole); };
 

@@ -18,9 +18,11 @@
 /// The scene reader, reports and messages derive from it.
 namespace resilin {
 
+/// Enums whose values have names, by a function `spellings`.
 template <class T>
 concept Spelled = std::is_enum_v<T> && requires(T value) { spellings(value).size(); };
 
+/// The names of all values, in their order.
 template <Spelled T>
 std::vector<std::string> all_spellings() {
   const auto written = spellings(T{});

@@ -17,6 +17,7 @@
 
 namespace resilin {
 
+/// A list of element types.
 template <class... Element>
 struct ElementList {};
 
@@ -25,6 +26,7 @@ using Elements = ElementList<LinearTriangle, LinearTetrahedron, QuadraticTriangl
                              QuadraticTriangleP0, QuadraticTetrahedronP0, BilinearQuadrilateral,
                              TrilinearHexahedron, BilinearQuadrilateralP0, TrilinearHexahedronP0>;
 
+/// The largest number of nodes of an element in the list.
 template <class... Element>
 constexpr std::size_t most_nodes(ElementList<Element...>) {
   return std::max({static_cast<std::size_t>(Element::num_nodes)...});

@@ -10,24 +10,28 @@
 /// Taylor & Pister 1985 (docs/theory/mean_volume.md).
 namespace resilin {
 
+/// Quadratic triangle, constant pressure (mixed displacement-pressure element).
 struct QuadraticTriangleP0 : QuadraticTriangle {
   static constexpr std::string_view name = "P2P0";
   static constexpr std::string_view text = "quadratic triangle with one pressure";
   static constexpr bool takes_mean_volume = true;
 };
 
+/// Quadratic tetrahedron, constant pressure.
 struct QuadraticTetrahedronP0 : QuadraticTetrahedron {
   static constexpr std::string_view name = "P2P0";
   static constexpr std::string_view text = "quadratic tetrahedron with one pressure";
   static constexpr bool takes_mean_volume = true;
 };
 
+/// Bilinear quadrilateral, constant pressure.
 struct BilinearQuadrilateralP0 : BilinearQuadrilateral {
   static constexpr std::string_view name = "Q1P0";
   static constexpr std::string_view text = "bilinear quadrilateral with one pressure";
   static constexpr bool takes_mean_volume = true;
 };
 
+/// Trilinear hexahedron, constant pressure.
 struct TrilinearHexahedronP0 : TrilinearHexahedron {
   static constexpr std::string_view name = "Q1P0";
   static constexpr std::string_view text = "trilinear hexahedron with one pressure";

@@ -21,6 +21,7 @@ enum class CellShape { triangle, quadrilateral, tetrahedron, hexahedron };
 /// default, so that the compiler shows every place that a new family has to fill.
 enum class ShapeFamily { simplices, cubes };
 
+/// Whether a reference cell is a simplex or a cube.
 constexpr ShapeFamily family(CellShape shape) {
   switch (shape) {
     case CellShape::triangle:
@@ -34,6 +35,7 @@ constexpr ShapeFamily family(CellShape shape) {
 }
 constexpr bool is_simplex(CellShape shape) { return family(shape) == ShapeFamily::simplices; }
 
+/// Dimension of a reference cell: 2 or 3.
 constexpr int dimension(CellShape shape) {
   switch (shape) {
     case CellShape::triangle:
@@ -48,6 +50,7 @@ constexpr int dimension(CellShape shape) {
 
 double size(CellShape shape);  ///< size of the reference cell: 1/2, 1, 1/6, 1
 
+/// Points and weights on a reference cell.
 struct QuadratureRule {
   std::string_view name;  ///< "4-point"; "exact" for a rule whose error is round-off for smooth energies
   int degree;             ///< polynomials of this degree (in each coordinate on squares and cubes) are exact

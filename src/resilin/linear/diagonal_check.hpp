@@ -11,6 +11,7 @@ struct DiagonalCheck {
       -1;  ///< the first one whose diagonal block is not positive definite: neither is the matrix
 };
 
+/// Looks at the diagonal blocks of a symmetric matrix.
 DiagonalCheck check_diagonal(const BlockMatrix& A);
 
 }  // namespace resilin

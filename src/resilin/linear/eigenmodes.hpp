@@ -17,6 +17,7 @@ struct EigenProblem {
   std::span<const std::uint8_t> is_fixed;
 };
 
+/// Eigenvalues and mode shapes of K x = lambda M x.
 struct EigenModes {
   enum class Status { converged, not_converged, out_of_memory, interrupted };
   Status status = Status::converged;

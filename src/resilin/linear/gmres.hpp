@@ -6,6 +6,7 @@
 
 namespace resilin {
 
+/// Result of GMRES.
 struct GmresReport {
   VectorX x;
   double left = 1;  ///< |b - A x| / |b|, as the projected problem has it

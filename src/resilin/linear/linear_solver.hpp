@@ -12,6 +12,7 @@ namespace resilin {
 
 class AnalysisCache;
 
+/// Choice and limits of a linear solver.
 struct LinearOptions {
   std::string kind = "auto";  ///< a name in the catalogue, or "auto"
   bool is_dynamic = false;    ///< helps "auto": mass makes iterative solvers quick

@@ -6,6 +6,7 @@
 
 namespace resilin {
 
+/// Limits of MINRES.
 struct MinresSettings {
   int max_iterations = 100;
   double tolerance =

@@ -53,6 +53,7 @@ struct TentativeProlongation {
   std::vector<std::uint8_t> is_absent;  ///< by coarse unknown: its column of Q is zero
 };
 
+/// Tentative prolongation of smoothed aggregation: Q of the modes on each aggregate.
 TentativeProlongation orthonormalize(const RigidModes& modes, const Aggregates& groups);
 TentativeProlongation orthonormalize(const CoarseModes& modes, const Aggregates& groups);
 

@@ -28,6 +28,7 @@ struct TrapezoidLayout {
   }
 };
 
+/// A lower triangle, or its first columns, with their values.
 struct Trapezoid {
   TrapezoidLayout layout;
   double* values = nullptr;

@@ -15,6 +15,7 @@ struct Material {
   std::vector<Vector3> fibres;    ///< rest directions of the families, of length 1; empty for isotropic laws
 };
 
+/// dP/dF with vec(F) by columns.
 template <int dim>
 using TangentMatrix = Eigen::Matrix<double, dim * dim, dim * dim>;
 

@@ -12,6 +12,7 @@ struct Hooke {
   double poissons_ratio() const { return lambda / (2 * (lambda + mu)); }
 };
 
+/// Lame's constants [Pa] of Young's modulus [Pa] and Poisson's ratio in (-1, 0.5).
 inline Hooke hooke_from_young_poisson(double youngs_modulus, double poissons_ratio) {
   return {youngs_modulus / (2 * (1 + poissons_ratio)),
           youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))};

@@ -31,6 +31,7 @@ struct SmallStrain {
   T trace;   ///< tr eps
 };
 
+/// Limit of fibre families in a constitutive model.
 constexpr int max_fibre_families = 2;
 
 /// Invariants with the squared stretch of fibres of rest direction a, |a| = 1.

@@ -36,6 +36,7 @@ struct ConstantText {
   double fallback = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Constants that several models share: name, unit and symbol.
 constexpr ConstantText shear_modulus_text = {"shear_modulus", "Pa", "mu", 0};
 constexpr ConstantText lame_lambda_text = {"lame_lambda", "Pa", "lambda"};
 constexpr ConstantText bulk_modulus_text = {"bulk_modulus", "Pa", "kappa", 0};

@@ -7,6 +7,7 @@
 
 namespace resilin {
 
+/// Size and limits of a mesh that ends at its surface.
 struct FittedMeshOptions {
   static constexpr int most_cells = 2000000;
 

@@ -18,6 +18,7 @@ struct VertexGuide {
   std::function<bool(Index a, Index b)> is_kept;
 };
 
+/// Tetrahedra while their shapes are improved.
 struct TetrahedronSet {
   std::vector<Vector3> positions;           ///< positions of the vertices [m]
   std::vector<std::array<Index, 4>> cells;  ///< in positive orientation, but for flat ones

@@ -7,6 +7,7 @@
 
 namespace resilin {
 
+/// Round bodies that a scene can describe without a file.
 enum class RoundKind { disc, ring, cylinder, tube, ball, spherical_shell };
 constexpr std::array<std::string_view, 6> spellings(RoundKind) {
   return {"disc", "ring", "cylinder", "tube", "ball", "spherical_shell"};
@@ -27,6 +28,7 @@ struct RoundShape {
   bool is_quadratic = false;  ///< cut cells get nodes in the middles of edges, on the true circle or sphere
 };
 
+/// Measures that a round body needs.
 bool has_hole(RoundKind kind);  ///< needs an inner radius
 bool has_height(RoundKind kind);
 int dimension(RoundKind kind);

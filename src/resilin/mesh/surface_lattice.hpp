@@ -7,6 +7,7 @@
 
 namespace resilin {
 
+/// Size and limits of a lattice of congruent tetrahedra.
 struct LatticeOptions {
   static constexpr int most_cells = 2000000;
 

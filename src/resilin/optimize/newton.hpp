@@ -15,6 +15,7 @@
 
 namespace resilin {
 
+/// Tolerances and limits of Newton's method with line search.
 struct NewtonSettings {
   double tolerance = 1e-8;  ///< tolerance of the force residual relative to the objective's force scale
   /// Further iterations for each lagged update, unless the limit is smaller than this.
@@ -29,6 +30,7 @@ struct NewtonSettings {
   int relaxed_steps = 0;
 };
 
+/// Result of Newton's method; not converging is a status.
 struct NewtonReport {
   enum class Status {
     converged,
@@ -125,6 +127,7 @@ class Newton {
   bool has_near_factors_ = false;        ///< the factors are of a matrix that is near to the last one
 };
 
+/// "converged", "max_iterations" ...
 std::string_view name(NewtonReport::Status status);
 
 }  // namespace resilin

@@ -16,11 +16,13 @@ class LoadFamily {
   virtual void place_fixed(double load, VectorX& x) const = 0;
 };
 
+/// A point of the equilibrium path: positions [m] and load factor.
 struct PathPoint {
   VectorX positions;
   double load = 0;
 };
 
+/// Tolerance, limits and step of an arc-length search.
 struct PathSettings {
   double tolerance = 1e-8;  ///< tolerance of the force residual, as in NewtonSettings
   int max_iterations = 20;  ///< maximum iterations of the search for one point

@@ -8,6 +8,7 @@
 /// Functions that the searches for an equilibrium share.
 namespace resilin {
 
+/// Sets the entries of fixed degrees of freedom to zero.
 void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values);
 
 /// |diagonal of the Hessian| [N/m] at the free unknowns, zero at the fixed ones.

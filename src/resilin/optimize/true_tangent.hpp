@@ -8,6 +8,7 @@
 
 namespace resilin {
 
+/// Result of a solve with the true, nonsymmetric tangent.
 struct TangentReport {
   int iterations = 0;
   double relative_residual = 1;  ///< |b - J p| / |b|
