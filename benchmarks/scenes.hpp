@@ -22,7 +22,7 @@ Description bar(int n, bool is_dynamic, const std::string& element);
 /// kg/m^3, that falls under its weight for one second in steps of 1/60 s. Stops at 1e-6 of the weight.
 Description cube(int n);
 
-/// That cube, free, 5 cm above the ground.
+/// The same cube, free, 5 cm above the ground.
 Description dropped_cube(int n);
 
 /// Two such cubes: the lower falls on the ground, the upper, 5 cm above it, on the lower; beside it by 5 and

@@ -52,7 +52,7 @@ WORD = re.compile(r"[A-Za-zÀ-ÿ][\w'’-]*(?:/[A-Za-z][\w'-]*)*")
 FORMULA = re.compile(r"^( {4,}|\t)")
 COMMENT = re.compile(r"^\s*(?://[/!]?(?!/)|/\*\*)\s?(.*)$")
 BESIDE = re.compile(r"\S\s+//+<?\s(.*)$")  # a comment after code
-DANGLING = re.compile(r"(?:Of|What|Whose|Than|(?:With|By|In|From) (?:which|what|whom))\b", re.IGNORECASE)
+DANGLING = re.compile(r"(?:Of|That|Which|What|Whose|Than|(?:With|By|In|From) (?:which|what|whom))\b", re.IGNORECASE)
 HELP = re.compile(r'\b(?:option|flag|command|add_\w+)\(\s*"[^"]*",[^";]*((?:"[^"]*"\s*)+)')
 
 

@@ -26,7 +26,7 @@ struct OptionText {
   bool is_argument = false;  ///< known by its place
   bool is_required = false;
   bool is_repeatable = false;
-  int least_values = 0, most_values = 0;  ///< that follow it
+  int least_values = 0, most_values = 0;  ///< numbers of values that follow it
   Completion completion;
 };
 

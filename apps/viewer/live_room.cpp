@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t max_message_bytes = 64;  // maximum message bytes of a binary one
-constexpr std::size_t max_words = 8;           // that wait for a page that does not read
+constexpr std::size_t max_words = 8;           // words that wait for a page that does not read
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 

@@ -45,7 +45,7 @@ struct Shared {
   std::string token;
   std::uint16_t port = 0;
   int num_connections = 0;
-  std::deque<std::weak_ptr<Connection>> silent;  ///< that have not asked for anything yet, the oldest first
+  std::deque<std::weak_ptr<Connection>> silent;  ///< connections without a request so far, the oldest first
   ClientId last_client = 0;
   std::map<ClientId, std::weak_ptr<LivePage>> pages;
   std::atomic<bool> wake_is_posted = false;
@@ -235,7 +235,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const auto header = [&request](http::field field) -> std::optional<std::string_view> {
       const auto found = request.find(field);
       if (found == request.end()) return std::nullopt;
-      if (request.count(field) > 1) return std::string_view();  // which is meant cannot be told
+      if (request.count(field) > 1) return std::string_view();  // ambiguous
       return std::string_view(found->value().data(), found->value().size());
     };
     return why_forbidden({target(), header(http::field::host), header(http::field::origin), needs_origin},

@@ -96,7 +96,7 @@ class ServedLiveScene : public ServedScene {
     SurfaceFields fields;
     std::vector<ScalarField> field_choices;  ///< fields that pages choose from, in the order of the header
     Vector3 grab_offset = Vector3::Zero();   ///< from the pointer to the place that is held [m]
-    std::map<Index, std::uint32_t> vertex_of_node;  ///< which vertex of the page stands for a pinned node
+    std::map<Index, std::uint32_t> vertex_of_node;  ///< vertex of the page for each pinned node
     VectorX previous_positions;                     ///< one step before [m]
     double previous_time = 0;                       ///< [s]
     Conditions previous_conditions{};

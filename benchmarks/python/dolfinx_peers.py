@@ -166,7 +166,7 @@ def solve_by_dolfinx(options):
             matrix.assemble()
             solver.setOperators(matrix)
             solver.solve(b, step)
-            fem.petsc.set_bc(step, [clamp], None, 0.0)  # which the rigid motions move a little
+            fem.petsc.set_bc(step, [clamp], None, 0.0)  # the rigid motions move them a little
             u.vector.axpy(-1, step)
             u.x.scatter_forward()
             solves += 1

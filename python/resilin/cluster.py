@@ -119,7 +119,7 @@ class ClusterRun:
         self._definition = client.submit(given, pickle.dumps(definition), pure=False)
         self._completed = distributed.as_completed(loop=client.loop)
         self._handed_out: dict[str, tuple[Any, list[Task]]] = {}
-        self._suspects: list[Task] = []  # that were with a worker when it died; each is to be run alone
+        self._suspects: list[Task] = []  # tasks of a worker that died; each is to be run alone
         self._is_alone = False  # the one task that is handed out is a suspect
         self._start = time.monotonic()
         self._next_count = self._next_table = 0.0

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-MOST_RUNS = 2  #: that are kept for the slopes back, as long as the function is
+MOST_RUNS = 2  #: runs kept for the adjoint pass, as long as the function is
 
 
 class _Simulation:

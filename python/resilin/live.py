@@ -51,7 +51,7 @@ class LiveScene(PresentState[_core.LiveScene]):
 
     @classmethod
     def _of(cls, core: _core.LiveScene) -> LiveScene:
-        """That of a simulation."""
+        """A live scene of a simulation."""
         scene = cls.__new__(cls)
         scene._core = core
         scene._pages = LivePages(core)

@@ -67,7 +67,7 @@ class History {
   const State& state_of(int frame) const;
   NumpyArray<double> scalar(double State::* member) const;
 
-  std::shared_ptr<const World> world_;  // which no step changes
+  std::shared_ptr<const World> world_;  // no step changes it
   std::vector<State> states_;
   std::vector<Frame> frames_;
   RunSummary summary_;

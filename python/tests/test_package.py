@@ -19,7 +19,7 @@ def python(code, environment=None):
 
 
 def test_importing_leaves_big_packages_alone():
-    """Which is what makes it quick: nothing but numpy, the extension and our own modules is read."""
+    """A quick import needs nothing but numpy, the extension and our own modules is read."""
     code = """
 import sys, numpy
 before = {name.split(".")[0] for name in sys.modules}

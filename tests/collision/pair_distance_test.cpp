@@ -42,7 +42,7 @@ PairMatrix<dim> hessian(PairKind kind, const std::vector<Vector<dim>>& x, const 
   return sum.matrix(projection);
 }
 
-/// Which vertices have a share: 2^dim corner cases of each kind, and the open one.
+/// Vertices that have a share: 2^dim corner cases of each kind, and the open one.
 template <int dim>
 unsigned share_of(PairKind kind, const std::vector<Vector<dim>>& x) {
   const auto weights = pair_distance<dim>(kind, x).weights;

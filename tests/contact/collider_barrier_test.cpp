@@ -262,7 +262,7 @@ TEST(ContactNodes, ShareTheSurfaceAmongAllTheirNodes) {
     double sum = 0;
     for (const ContactNode& node : contact_nodes(3, bottom, X, 7)) {
       sum += node.stiffness;
-      EXPECT_GE(of_all.at(node.node), node.stiffness * (1 - 1e-12));  // that of the largest face
+      EXPECT_GE(of_all.at(node.node), node.stiffness * (1 - 1e-12));  // stiffness of the largest face
     }
     EXPECT_NEAR(sum, 7 * 2.0, 1e-12 * sum) << kind;
   }

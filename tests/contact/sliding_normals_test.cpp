@@ -33,7 +33,7 @@ struct FacetSurface {
     X.head(parts.dim) = places.segment(Eigen::Index{vertex} * parts.dim, parts.dim);
     return X;
   }
-  /// That a point feels which is apart from a part of the surface in this direction.
+  /// Normal at a point that is apart from a part of the surface in this direction.
   Vector3 normal(const std::vector<Index>& part, const std::vector<double>& weights,
                  const Vector3& apart) const {
     PartForce pair{.kind = part.size() == 3   ? PairKind::point_triangle

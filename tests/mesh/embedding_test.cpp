@@ -154,7 +154,7 @@ TEST(Embedding, TakesOutsideTheCellThatIsNearestInSpace) {
   EXPECT_EQ(embedding.cell(2), 0);
   const CellMap map(element, cells, X);
   const auto depth = [&](Index cell) { return map.depth(*map.invert(cell, points[0])); };
-  EXPECT_GT(depth(1), depth(0));  // which is why barycentric coordinates are no distance
+  EXPECT_GT(depth(1), depth(0));  // therefore barycentric coordinates are no distance
   EXPECT_EQ(embedding.outside().count, 3);
   EXPECT_EQ(embedding.outside().point, 2);
   EXPECT_NEAR(embedding.outside().distance, 0.5, 1e-12);

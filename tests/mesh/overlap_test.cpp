@@ -1,4 +1,4 @@
-// Which cells share space, and which only touch.
+// Cells that share space, and cells that only touch.
 #include "resilin/mesh/overlap.hpp"
 
 #include <gtest/gtest.h>

@@ -121,7 +121,7 @@ void expect_sound(const SurfaceLattice& lattice, const Mesh& surface, bool is_co
 struct Shape {
   std::string name;
   Mesh surface;
-  double volume;  ///< that the triangles enclose; of the curved ones by their divergence
+  double volume;  ///< enclosed volume; of curved surfaces by their divergence
 };
 
 double enclosed(const Mesh& mesh) {

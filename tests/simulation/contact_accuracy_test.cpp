@@ -131,7 +131,7 @@ Description stacked_cubes(int n) {
   ground.name = "ground";
   ground.shape.normal = {0, 0, 1};
   scene.colliders.push_back(ground);
-  scene.contact.stiffness = 1e4;  // that of the other program
+  scene.contact.stiffness = 1e4;  // value of the other program
   return scene;
 }
 

@@ -21,7 +21,7 @@ Conditions now(const State& state) {
   return {.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
 }
 
-/// That no edge goes through a facet, by exact predicates, and that nothing touches.
+/// Expects that no edge goes through a facet, by exact predicates, and that nothing touches.
 void expect_apart(const Simulation& simulation) {
   const State& state = simulation.state();
   for (const auto& collider : simulation.world().mesh_colliders) {

@@ -21,7 +21,7 @@ struct FakeSwitches {
   std::atomic<bool> rests = false;  ///< after the next step
   std::atomic<bool> breaks_on_reload = false;
   std::atomic<bool> breaks_in_step = false;
-  std::atomic<int> step_milliseconds = 0;  ///< that a step takes
+  std::atomic<int> step_milliseconds = 0;  ///< duration of a step
 };
 
 /// A scene without mechanics: its frames have as many bytes as those of `num_vertices` vertices, and the

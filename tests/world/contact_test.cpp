@@ -1,4 +1,4 @@
-// Which scenes contact between bodies refuses, and what it chooses for them.
+// Scenes that contact between bodies refuses, and its choices for the others.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

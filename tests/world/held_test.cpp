@@ -1,4 +1,4 @@
-// Which rigid-body motions of a static body nothing holds, and in what words.
+// Free rigid-body motions of a static body, and the words for them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

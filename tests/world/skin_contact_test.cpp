@@ -1,4 +1,4 @@
-// Which scenes with bodies that meet others with their skins are refused, and what is chosen for them.
+// Scenes with contact of embedded surfaces: refused ones, and the choices for the others.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -14,6 +14,7 @@
 
 namespace resilin {
 
+/// Closest points of two features of surfaces, as weights of their vertices.
 template <class Real>
 struct ClosestPoints {
   /// Weights of the vertices: from 0 to 1 and adding up to 1 for the first part, from -1 to 0 and adding
@@ -49,6 +50,7 @@ RESILIN_INLINE Real edge_parameter(const Triple<Real>& from_a, const Triple<Real
   return select(along > Real(0.0), s, Real(0.0));
 }
 
+/// Closest points of two points: the points themselves.
 template <class Real>
 RESILIN_INLINE ClosestPoints<Real> closest_point_point(const Triple<Real>& p, const Triple<Real>& q) {
   const Triple<Real> gap = p - q;
@@ -80,7 +82,7 @@ RESILIN_INLINE ClosestPoints<Real> closest_point_edge_at(const Triple<Real> x[],
   return placed;
 }
 
-/// That a vertex of the second part, whose weights are not above zero, has no share.
+/// Whether a vertex of the second part, whose weights are not above zero, has no share.
 template <class Real>
 RESILIN_INLINE auto has_no_share(const Real& weight) {
   return weight > Real(-std::numeric_limits<double>::min());

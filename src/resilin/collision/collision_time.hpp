@@ -9,6 +9,7 @@
 
 namespace resilin {
 
+/// Accuracy of collision times (continuous collision detection).
 struct CollisionTimeOptions {
   double share_left =
       0.1;  ///< fraction of its distance at the start that a pair keeps at its time; in (0, 1)

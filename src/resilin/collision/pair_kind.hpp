@@ -22,6 +22,7 @@ constexpr int num_second(PairKind kind) {
   return 2;
 }
 
+/// Number of vertices of both features.
 constexpr int num_vertices(PairKind kind) { return num_first(kind) + num_second(kind); }
 
 /// No pair has more vertices.

@@ -9,6 +9,7 @@
 
 namespace resilin {
 
+/// Fixed-size vectors and matrices over the vertices of a pair.
 template <int dim>
 struct PairSpace {
   static constexpr int size = most_pair_vertices * dim;

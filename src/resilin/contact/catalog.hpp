@@ -32,7 +32,7 @@ struct ShapeKind {
   std::vector<std::string> keys;  ///< keys of the scene file that this kind must have
   std::shared_ptr<const ColliderShape> (*make)(const ShapeDescription&) = nullptr;  ///< exact: its distance
   ColliderMesh (*make_mesh)(const ShapeDescription&, int dim) = nullptr;  ///< or of facets: its surface
-  std::vector<std::string> more_keys{};                                   ///< that it may have
+  std::vector<std::string> more_keys{};                                   ///< optional keys
   bool is_flat_too = true;                                                ///< there is such a thing in 2D
   /// Whether a turn leaves all its points within it; none: no turn does.
   bool (*is_round_about)(const ShapeDescription&, const ColliderTurn&) = nullptr;

@@ -47,7 +47,7 @@ struct ContactSurface {
   std::vector<double> edge_lengths;   ///< at rest [m]
   std::vector<Index> triangle_edges;  ///< in 3D three for each triangle; -1: none of its own
   std::vector<int> edge_counts;   ///< times that an edge's distance is to be counted besides its triangles'
-  std::vector<int> point_counts;  ///< that of a vertex, besides its edges' and triangles'
+  std::vector<int> point_counts;  ///< count of each vertex, besides its edges' and triangles'
   std::vector<double> stiffness;  ///< kappa of each body [Pa]; infinite for the obstacle
   std::vector<double> mean_point_areas;  ///< mean point areas of each body
   std::optional<ContactObstacle> obstacle;

@@ -17,7 +17,7 @@ struct FacetShare {
 /// the ridge of a box what belongs to one of its faces: the other carries nothing of what presses this one.
 double facing_area(std::span<const FacetShare> shares);
 
-/// That of every vertex: of a third of each triangle beside it, in 2D of half of each edge.
+/// Facing area of every vertex: of a third of each triangle beside it, in 2D of half of each edge.
 /// @param places  of the vertices, dim numbers each [m]
 /// @return        [m^2], in 2D [m]
 std::vector<double> facing_areas(const CollisionSurface& parts, const VectorX& places);

@@ -66,8 +66,8 @@ auto parties(const FrictionContacts::Entry& entry) {
   return std::pair(entry.source, std::move(nodes));
 }
 
-/// Which one of the contacts before each of the others is, if it is one of them and has not turned: of
-/// several between the same, such as a body's edge and edges of an obstacle, the first is the first.
+/// Index of each contact among the earlier ones, if it was there and has not turned. Several contacts of the
+/// same pair, such as a body's edge with edges of an obstacle, keep their order.
 std::vector<std::optional<std::size_t>> same_contacts(const FrictionContacts& before,
                                                       const FrictionContacts& now) {
   std::vector<std::optional<std::size_t>> same(now.size());

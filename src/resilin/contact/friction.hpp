@@ -123,14 +123,14 @@ class LaggedFriction final : public BasicEnergy {
     FrictionContacts contacts{};
     std::vector<Vector3> directions{};
     std::vector<std::optional<std::size_t>>
-        of_contact{};  ///< which of them each contact was, if it was there
+        of_contact{};  ///< index of each contact among the earlier ones, if it was there
   };
 
   const Friction& friction_;
   std::vector<const FrictionSource*> sources_{};
   VectorX start_;  ///< about where bodies stood when it began
   VectorX still_;  ///< where the stage would end that bodies end without velocity
-  double time_;    ///< that the slip takes [s]
+  double time_;    ///< duration of the slip [s]
   MollifiedSlip slip_;
   bool is_mean_;  ///< for the stage: slip is counted from its target
   FrictionContacts contacts_{};

@@ -25,7 +25,7 @@ class FrictionContacts {
  public:
   struct Entry {
     FrictionContact contact;
-    std::size_t source;  ///< which one it is of
+    std::size_t source;  ///< number of its source
     std::span<const WeightedNode> nodes;
   };
 

@@ -27,7 +27,7 @@ struct FrictionContactSlopes {
 
   FrictionContact contact;
   Eigen::Index coefficient;  ///< the number of its coefficient among those of the source
-  double mu;                 ///< that coefficient
+  double mu;                 ///< value of the coefficient
   double share_of_rate = 0;  ///< its velocity follows that of the source by so much
   std::vector<Vertex> vertices;
   std::vector<Place> places;

@@ -12,9 +12,9 @@ namespace resilin {
 
 /// The normals of a surface as bodies slide along it: those of the smooth surface that its facets stand for.
 ///
-/// What lands with a speed v has come a way v dt across a surface in a step. Of that, two facets at a small
-/// angle a see a v dt along themselves, towards each other or away from each other: by the normals of the
-/// facets friction would turn around from one side of their edge to the other, and no place on it might
+/// A body that lands with a speed v has come a way v dt across a surface in a step. Of that, two facets at a
+/// small angle a see a v dt along themselves, towards each other or away from each other: by the normals of
+/// the facets friction would turn around from one side of their edge to the other, and no place on it might
 /// balance. At a point of a facet the normal is therefore the mean of those around its corners, by the
 /// areas of their facets and the weights of the point (Phong 1975, "Illumination for computer generated
 /// pictures"): it goes through edges and corners without a jump.

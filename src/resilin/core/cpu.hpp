@@ -10,6 +10,7 @@
 
 namespace resilin {
 
+/// Name of an instruction set as users write it.
 std::string_view name(InstructionSet set);
 std::vector<std::string> names(std::span<const InstructionSet> sets);
 

@@ -8,8 +8,10 @@
 /// else: written out in a source of its own each of them takes the compiler seconds.
 namespace resilin::dense {
 
+/// Dense matrix of any size, column by column.
 using Matrix = Eigen::MatrixXd;
 
+/// Products; the inner sizes must agree.
 Matrix product(const Matrix& A, const Matrix& B);             ///< A B
 Matrix transposed_product(const Matrix& A, const Matrix& B);  ///< A^T B
 

@@ -12,6 +12,7 @@ namespace resilin {
 /// rest is dropped by the compiler.
 #define RESILIN_DUAL_INLINE inline __attribute__((always_inline))
 
+/// Real types other than double, such as the lanes of an instruction set.
 template <class Real>
 concept IsNoDouble = !std::is_same_v<Real, double>;
 
@@ -197,11 +198,13 @@ RESILIN_DUAL_INLINE T operator-(T a, double s) {
   return a;
 }
 
+/// a^2.
 template <class T>
 RESILIN_DUAL_INLINE T square(const T& a) {
   return a * a;
 }
 
+/// 1 / a.
 template <IsDual T>
 RESILIN_DUAL_INLINE T reciprocal(const T& a);
 template <class T>
@@ -222,35 +225,41 @@ RESILIN_DUAL_INLINE T reciprocal(const T& a) {
   return T::chain(a, f, -f2, 2.0 * (f * f2));
 }
 
+/// ln(1 + a), accurate near a = 0.
 template <IsDual T>
 RESILIN_DUAL_INLINE T log1p(const T& a) {
   const auto slope = 1.0 / (1.0 + a.value);
   return T::chain(a, log1p(a.value), slope, -(slope * slope));
 }
 
+/// ln(1 + a) - a, accurate near a = 0.
 template <IsDual T>
 RESILIN_DUAL_INLINE T log1p_minus(const T& a) {
   const auto r = 1.0 / (1.0 + a.value);
   return T::chain(a, log1p_minus(a.value), -(a.value * r), -(r * r));
 }
 
+/// e^a.
 template <IsDual T>
 RESILIN_DUAL_INLINE T exp(const T& a) {
   const auto f = exp(a.value);
   return T::chain(a, f, f, f);
 }
 
+/// e^a - 1, accurate near a = 0.
 template <IsDual T>
 RESILIN_DUAL_INLINE T expm1(const T& a) {
   const auto f1 = exp(a.value);
   return T::chain(a, expm1(a.value), f1, f1);
 }
 
+/// e^a - 1 - a, accurate near a = 0.
 template <IsDual T>
 RESILIN_DUAL_INLINE T expm1_minus(const T& a) {
   return T::chain(a, expm1_minus(a.value), expm1(a.value), exp(a.value));
 }
 
+/// (1 + a)^(1/3) - 1, accurate near a = 0.
 template <IsDual T>
 RESILIN_DUAL_INLINE T cbrt1p(const T& a) {
   const auto s = cbrt1p(a.value), t = 1.0 + s;

@@ -11,6 +11,7 @@
 
 namespace resilin {
 
+/// A list of instruction sets, which leads a set at run time to its compiled kernels.
 template <InstructionSet... sets>
 struct InstructionSets {
   static constexpr std::array<InstructionSet, sizeof...(sets)> all = {sets...};
@@ -26,6 +27,7 @@ struct InstructionSets {
   }
 };
 
+/// Instruction sets that this build holds.
 using CompiledSets = InstructionSets<RESILIN_COMPILED_SETS>;
 
 }  // namespace resilin

@@ -8,6 +8,7 @@ struct Overloaded : Lambda... {
   using Lambda::operator()...;
 };
 
+/// Deduces the kinds from the lambdas.
 template <class... Lambda>
 Overloaded(Lambda...) -> Overloaded<Lambda...>;
 

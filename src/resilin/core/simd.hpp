@@ -22,6 +22,7 @@ constexpr int block_size = 8;
 
 namespace RESILIN_SIMD_NAMESPACE {
 
+/// One double per lane; arithmetic acts lane by lane. Uninitialised by default.
 struct Lanes {
   static constexpr int width = RESILIN_SIMD_WIDTH;
   using Vector = double __attribute__((vector_size(sizeof(double) * width), may_alias));
@@ -53,6 +54,7 @@ struct Lanes {
 };
 using Mask = Lanes::Mask;
 
+/// a where the mask is set, else b.
 RESILIN_INLINE Lanes select(Mask mask, Lanes a, Lanes b) { return Lanes(mask ? a.v : b.v); }
 RESILIN_INLINE Lanes min(Lanes a, Lanes b) { return select(a < b, a, b); }
 RESILIN_INLINE Lanes max(Lanes a, Lanes b) { return select(a > b, a, b); }

@@ -8,8 +8,10 @@
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 
 #if RESILIN_SIMD_WIDTH >= 4
+/// Four doubles in one register.
 using Four = double __attribute__((vector_size(32)));
 
+/// Unaligned load of p[0] to p[3], and their sum with x.
 RESILIN_INLINE Four load_four(const double* p) {
   Four x;
   __builtin_memcpy(&x, p, sizeof x);

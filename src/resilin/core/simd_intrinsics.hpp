@@ -41,12 +41,14 @@ RESILIN_INLINE void stream_copy(const void* from, std::size_t bytes, void* to) {
   __builtin_memcpy(target, source, bytes);
 }
 
+/// Makes the stores of `stream_copy` visible to other threads.
 RESILIN_INLINE void complete_streams() {
 #if defined(__SSE2__)
   _mm_sfence();
 #endif
 }
 
+/// Whether the condition holds in at least one lane.
 RESILIN_INLINE bool any(Mask mask) {
 #if defined(__AVX512DQ__) && RESILIN_SIMD_WIDTH == 8
   return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) != 0;
@@ -59,6 +61,7 @@ RESILIN_INLINE bool any(Mask mask) {
 #endif
 }
 
+/// Square root of each lane, correctly rounded.
 RESILIN_INLINE Lanes sqrt(Lanes a) {
 #if defined(__AVX512F__) && RESILIN_SIMD_WIDTH == 8
   return Lanes(reinterpret_cast<Lanes::Vector>(_mm512_maskz_sqrt_pd(0xff, reinterpret_cast<__m512d>(a.v))));

@@ -12,6 +12,7 @@ struct BinaryParts {
   Lanes mantissa, exponent;
 };
 
+/// Splits x; meaningless outside the domain.
 RESILIN_INLINE BinaryParts binary_parts(Lanes x) {
   using Bits =
       unsigned long long __attribute__((vector_size(sizeof(Mask))));  // wraps around outside the domain
@@ -45,11 +46,13 @@ RESILIN_INLINE Lanes atanh_tail(Lanes s) {
   return s * (z * p);
 }
 
+/// Logarithm of 1 + x, and the same without its linear term.
 struct LogarithmPair {
   Lanes log1p;        ///< ln(1 + x), to 3 ulp
   Lanes log1p_minus;  ///< ln(1 + x) - x, to 4 ulp for |x| < 0.29 and 24 beyond
 };
 
+/// Both logarithms of `LogarithmPair` at once.
 RESILIN_INLINE LogarithmPair logarithm_pair(Lanes x) {
   constexpr double ln2_high = 0.693147180369123816490, ln2_low = 1.90821492927058770002e-10;
   const BinaryParts parts = binary_parts(1.0 + x);
@@ -61,6 +64,7 @@ RESILIN_INLINE LogarithmPair logarithm_pair(Lanes x) {
   return {log, select(is_scaled, log - x, tail - x * s)};  // 2 s - x = -x s
 }
 
+/// One member of `LogarithmPair`.
 RESILIN_INLINE Lanes log1p(Lanes x) { return logarithm_pair(x).log1p; }
 RESILIN_INLINE Lanes log1p_minus(Lanes x) { return logarithm_pair(x).log1p_minus; }
 
@@ -91,6 +95,7 @@ RESILIN_INLINE Lanes cbrt1p(Lanes x) {
   return x / (t * t + t + 1.0);
 }
 
+/// e^x, and the same without its constant and linear terms.
 struct Exponentials {
   Lanes exp;          ///< e^x, to 1 ulp
   Lanes expm1;        ///< e^x - 1, to 2 ulp
@@ -129,6 +134,7 @@ RESILIN_INLINE Exponentials exponentials(Lanes x) {
   return {exp, expm1, select(is_scaled | is_huge | is_none, expm1 - x, tail)};
 }
 
+/// One member of `Exponentials`.
 RESILIN_INLINE Lanes expm1(Lanes x) { return exponentials(x).expm1; }
 RESILIN_INLINE Lanes expm1_minus(Lanes x) { return exponentials(x).expm1_minus; }
 RESILIN_INLINE Lanes exp(Lanes x) { return exponentials(x).exp; }
@@ -139,6 +145,7 @@ RESILIN_INLINE Lanes power_difference(Lanes x, Lanes alpha) {
   return select(is_zero, alpha, expm1(alpha * log1p(x)) / x);
 }
 
+/// max(x, 0).
 RESILIN_INLINE Lanes positive_part(Lanes x) { return max(x, Lanes(0.0)); }
 /// 1 above zero, else 0.
 RESILIN_INLINE Lanes step(Lanes x) { return select(x > Lanes(0), 1.0, 0.0); }

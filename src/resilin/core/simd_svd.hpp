@@ -20,6 +20,7 @@ RESILIN_INLINE Column3 cross(const Column3& a, const Column3& b) {
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
 }
 
+/// Cosine and sine of a plane rotation.
 struct Rotation2 {
   Lanes c, s;
 };
@@ -34,6 +35,7 @@ RESILIN_INLINE Rotation2 jacobi_rotation(Lanes d, Lanes g) {
   return {c2 * rc, select(d < Lanes(0), -g, g) * (r * rc)};
 }
 
+/// Rotates two columns: (a, b) -> (c a - s b, s a + c b).
 RESILIN_INLINE void rotate(const Rotation2& q, Column3& a, Column3& b) {
   for (int k = 0; k < 3; ++k) {
     const Lanes x = a[k], y = b[k];
@@ -62,6 +64,7 @@ struct Symmetric3 {
   Lanes m00, m11, m22, m01, m02, m12;
 };
 
+/// Sets the columns of the identity matrix.
 RESILIN_INLINE void set_identity(Column3 V[3]) {
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) V[i][k] = i == k ? 1.0 : 0.0;

@@ -84,6 +84,7 @@ LaneRow contracted(const LaneMatrix<dim>& a, const LaneMatrix<dim>& b) {
   return sum;
 }
 
+/// Cofactor matrix: dJ/dF = J F^-T.
 template <int dim>
 LaneMatrix<dim> cofactor(const LaneMatrix<dim>& F) {
   LaneMatrix<dim> C;

@@ -81,7 +81,7 @@ class ViscoelasticEnergy final : public BasicEnergy, public HistoryTerm {
   /// of it back while it relaxes.
   Advance advance(const VectorX& history, const VectorX& from, const VectorX& to,
                   double duration) const override;
-  /// That of the long-term moduli, such as U + g_inf Psi_iso.
+  /// Stored energy of the long-term moduli, such as U + g_inf Psi_iso.
   double stored_energy(const VectorX& x) const override;
   double stored_difference(const VectorX& from, const VectorX& to) const override;
 

@@ -24,7 +24,7 @@ constexpr std::size_t cells_per_chunk = 256;
 constexpr double least_strain = 1e-12;
 /// The least share of the squared norm that is left in a richer space: one step cannot tell of less.
 constexpr double least_share_of_norm = 0.1;
-constexpr double most_lambda_to_mu = 9;  ///< that of Poisson's ratio 0.45
+constexpr double most_lambda_to_mu = 9;  ///< ratio at Poisson's ratio 0.45
 /// With more materials than this in a body they count as one that varies in space.
 constexpr std::size_t most_materials = 64;
 

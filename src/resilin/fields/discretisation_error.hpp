@@ -42,6 +42,7 @@ enum class ErrorEstimate {
 /// Its name in report.json.
 std::string_view name(ErrorEstimate estimate);
 
+/// Estimated discretisation error of a body, relative to its solution.
 struct DiscretisationError {
   double share = 0;  ///< share of the displacements or forces, or `cannot_tell`
   ErrorEstimate estimate = ErrorEstimate::recovered_stress;

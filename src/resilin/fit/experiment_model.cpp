@@ -102,7 +102,7 @@ Description ExperimentModel::changed(const std::function<const double*(std::size
   return changed;
 }
 
-/// Which frame is meant.
+/// Index of the frame of a measured row.
 int ExperimentModel::frame_of(const MeasuredRow& row, const Derivatives& run) const {
   const int last = run.num_frames() - 1;
   if (!row.moment) return last;

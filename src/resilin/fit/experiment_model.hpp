@@ -17,7 +17,7 @@ namespace resilin {
 /// A parameter of the description in one scene.
 struct SoughtParameter {
   FoundKey key;
-  /// Which of the numbers that are sought each number of the parameter is; -1: none, it stays.
+  /// Index of each number of the parameter among the sought numbers; -1: it stays constant.
   std::vector<int> which;
   Eigen::Index count = 0;  ///< number of parameters that are sought
 };

@@ -13,7 +13,7 @@ struct FitData {
   VectorX measured;          ///< [Pa]
   VectorX weights;           ///< weights of residuals in units of stress_scale
   double stress_scale = 1;   ///< the largest stress [Pa]
-  double shear_modulus = 0;  ///< that the tests show, roughly [Pa]
+  double shear_modulus = 0;  ///< rough shear modulus of the tests [Pa]
 };
 
 /// Whether laws may change their volume in this fit.

@@ -10,7 +10,7 @@
 namespace resilin {
 namespace {
 
-/// Which of the three edges are free.
+/// Whether each of the three edges is free.
 std::array<bool, 3> free_edges(TestMode mode) {
   switch (mode) {
     case TestMode::uniaxial:

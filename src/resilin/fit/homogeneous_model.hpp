@@ -23,7 +23,7 @@ struct LoadedState {
 ///   uniaxial     dW(l, l^-1/2, l^-1/2)/dl      equibiaxial  dW(l, l, l^-2)/dl / 2
 ///   planar       dW(l, 1/l, 1)/dl              simple shear P_12, on which pressure has no influence
 ///
-/// What the energy has of J alone cancels exactly: constants of that part have slopes of zero.
+/// Energy of J alone cancels exactly: constants of that part have slopes of zero.
 ///
 /// Compressible: the stretch y of the free directions solves P_t(l, y) = 0, and dP = dP_1 - (dP_1/dy)
 /// (dP_t/dy)^-1 dP_t gives the slopes.

@@ -7,6 +7,7 @@
 
 namespace resilin {
 
+/// Dense matrix of any size, column by column.
 using DenseMatrix = Eigen::MatrixXd;
 
 /// Predictions of a law for measured numbers, as a function of its constants. The solvers know nothing else

@@ -61,7 +61,7 @@ struct MeasuredTable {
   MeasuredKind kind = MeasuredKind::markers;
   std::string place;
   std::string of;                   ///< the body, the support, the collider, the probe or the section
-  std::string what;                 ///< which energy, which component of a stress
+  std::string what;                 ///< name of the energy or stress component
   std::optional<double> tolerance;  ///< how far outside the body a marker may be [m]; none: by rounding
   std::vector<MeasuredRow> rows;
 };

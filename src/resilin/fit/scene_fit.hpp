@@ -79,9 +79,9 @@ struct FittedField {
 struct RegularisationReport {
   Regularisation asked;
   LCurve curve;                       ///< at the place found
-  double strength = 0;                ///< that was taken
-  double discrepancy = 0;             ///< that the discrepancy principle takes; 0: none, or no sigmas
-  double cross_validated = 0;         ///< that generalised cross validation takes
+  double strength = 0;                ///< weight taken
+  double discrepancy = 0;             ///< weight by the discrepancy principle; 0: none, or no sigmas
+  double cross_validated = 0;         ///< weight by generalised cross validation
   RegularisedProblem::Point point{};  ///< at the weight taken
 };
 

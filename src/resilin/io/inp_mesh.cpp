@@ -71,7 +71,7 @@ class InpResolver {
 
   InpItems items(const InpSet& set, std::size_t p, bool is_of_nodes) {
     InpItems result;
-    std::set<std::pair<std::string, std::string>> names;  // that are in it already
+    std::set<std::pair<std::string, std::string>> names;  // names in it already
     for (const InpEntry& entry : set.entries) {
       if (entry.set.empty())
         add_numbers(result, entry, set, p, is_of_nodes);

@@ -23,7 +23,7 @@ struct Part {
   std::array<std::int64_t, 3> vertices;  ///< from 1, as many as the kind has
   std::int64_t face;
   std::int64_t line;
-  std::size_t groups;  ///< which list of groups it belongs to
+  std::size_t groups;  ///< number of its list of groups
 };
 
 class ObjReader {

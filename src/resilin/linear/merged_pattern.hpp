@@ -20,7 +20,7 @@ class MergedPattern {
   MergedPattern& operator=(const MergedPattern&) = delete;
   ~MergedPattern() = default;
 
-  /// Which change of the extra couplings asks for a new analysis.
+  /// Changes of the extra couplings that require a new symbolic analysis.
   enum class Keep {
     same_pairs,  ///< any change
     superset,    ///< only new pairs: pairs that have gone stay as zeros

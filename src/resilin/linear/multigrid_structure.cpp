@@ -142,7 +142,7 @@ MultigridLevel::ProductRows MultigridLevel::find_product_rows(Index num_groups) 
   return product;
 }
 
-/// Which groups meet in P^T A P.
+/// Couplings of groups in P^T A P.
 NodeGraph MultigridLevel::couple_groups(const ProductRows& product) {
   const auto num_groups = static_cast<Index>(product.reach_begin.size()) - 1;
   const auto couple = [&](std::size_t first, std::size_t last) {

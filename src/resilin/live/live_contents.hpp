@@ -22,6 +22,7 @@ struct Held {
   Vector3 target;
 };
 
+/// Number of consecutive quiet steps before the scene seeks its equilibrium.
 constexpr int quiet_steps_before_seeking = 10;
 
 /// Nothing moves any more: from here on steps lead straight to the equilibrium.
@@ -30,6 +31,7 @@ struct Calm {
   int seeking_steps = 0;  ///< since then, towards the equilibrium
 };
 
+/// State of a live scene, its controls and its energy terms.
 struct LiveScene::Contents {
   Contents(const Description& scene, const std::optional<State>& given_start);
 

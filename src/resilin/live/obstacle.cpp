@@ -17,7 +17,7 @@ Obstacle::Obstacle(const std::string& name, const World& world, const VectorX& p
   barrier_ = std::make_shared<ColliderBarrier>(name, world.dimension, shape,
                                                contact_points(world, options.stiffness), reach,
                                                ColliderMotion{}, options.friction);
-  if (shape->radius() > 0)  // which may change
+  if (shape->radius() > 0)  // the radius may change
     barrier_->meet_facets(ball_facets(world, 0, options.stiffness, reach));
   goal_ = shape->reference_point();
   // A node that is d inside comes out by moving at least -d along the way.

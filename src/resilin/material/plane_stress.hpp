@@ -14,6 +14,7 @@ namespace resilin {
 /// "neo_hookean in plane stress"
 std::string plane_stress_name(std::string_view law);
 
+/// Whether the constitutive model is the plane-stress twin of another one.
 bool is_plane_stress(const LawInfo& law);
 
 /// The law of which this one is the twin, or itself.

@@ -33,7 +33,7 @@ constexpr double least_sine_allowed = 1e-3;
 constexpr double most_slide = 0.8, most_gap = 0.08;
 constexpr int fitting_rounds = 2;
 constexpr double most_fit = 0.1;   // largest movement of a vertex to fit the sides, relative to the spacing
-constexpr double good_sine = 0.2;  // that is not given up for it: 11.5 degrees
+constexpr double good_sine = 0.2;  // a better one is not given up for it: 11.5 degrees
 
 class FittedMaker {
  public:

@@ -19,7 +19,7 @@ struct FittedMeshOptions {
 struct FittedMesh {
   Mesh mesh;
   double cell_size = 0;              ///< edge length of the cells [m]
-  double volume = 0;                 ///< that the surface encloses [m^3]
+  double volume = 0;                 ///< volume inside the surface [m^3]
   double volume_ratio = 0;           ///< volume ratio of all cells to `volume`; 0 when it encloses nothing
   std::vector<std::string> remarks;  ///< about the surface, one line each: holes, turned triangles
 };

@@ -12,7 +12,7 @@ namespace resilin {
 struct SolidSurface {
   Mesh mesh;                       ///< triangles alone
   double area = 0;                 ///< [m^2]
-  double volume = 0;               ///< that it encloses; of an open one a guess [m^3]
+  double volume = 0;               ///< volume inside; a guess for an open surface [m^3]
   Index num_turned = 0;            ///< triangles that were wound against their neighbours
   std::size_t num_open_edges = 0;  ///< edges of one triangle only
   double open_share = 0;           ///< least area of lids on its holes, by its own; 1 for a flat sheet

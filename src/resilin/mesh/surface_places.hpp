@@ -14,10 +14,10 @@ namespace resilin {
 struct SurfacePlace {
   Vector3 X;
   Vector3 normal;       ///< normal of length 1; outward where all parts of the surface are wound alike
-  Index triangle = -1;  ///< that it lies on
+  Index triangle = -1;  ///< triangle below the point
 };
 
-/// Which points a surface has: nearest ones, ones spread over its area, its inside.
+/// Points of a surface: nearest ones, ones spread over its area, its inside.
 class SurfacePlaces {
  public:
   /// @param surface  kept by reference

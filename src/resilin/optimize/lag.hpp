@@ -91,7 +91,7 @@ class CoupledLag {
     is_on_ = false;
     lost_steps_ += steps_;
   }
-  /// That came to nothing, and do not count.
+  /// Number of discarded steps, which do not count.
   int lost_steps() const { return lost_steps_; }
 
   const VectorX& start() const { return start_; }

@@ -9,7 +9,7 @@
 
 namespace resilin {
 
-/// Which unknowns a norm is taken over.
+/// Degrees of freedom of a norm.
 enum class Unknowns { all, free, fixed };
 
 /// The nodes in parts that the Hessian does not couple: bodies, or pieces of them, that do not touch. Each

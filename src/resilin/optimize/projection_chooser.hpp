@@ -17,7 +17,7 @@ enum class ProjectionPolicy {
   adaptive,    ///< exact, clamp or absolute by how well the last step was predicted. For statics
 };
 
-/// Which Hessian is tried first, given how the search went so far (docs/theory/newton.md).
+/// Chooses the Hessian of the next Newton iteration by the previous ones (docs/theory/newton.md).
 class ProjectionChooser {
  public:
   explicit ProjectionChooser(ProjectionPolicy policy) : policy_(policy) {}

@@ -38,7 +38,7 @@ class MpiExchange final : public Exchange {
  private:
   struct Neighbour {
     int rank;
-    std::vector<Index> nodes;  ///< that both have, by their numbers in the whole scene
+    std::vector<Index> nodes;  ///< nodes of both, by their numbers in the whole scene
     std::vector<double> out, in;
   };
 

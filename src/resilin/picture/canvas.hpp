@@ -77,7 +77,7 @@ class Canvas {
   std::vector<Color> colors_,
       others_;  ///< colors and others of the samples; over the other background, where there is one
   std::vector<float> depths_;
-  std::vector<std::uint32_t> last_line_;  ///< which line touched the sample last: each inks it once
+  std::vector<std::uint32_t> last_line_;  ///< last line that touched the sample: each inks it once
   std::uint32_t num_lines_ = 0;
 };
 

@@ -108,7 +108,7 @@ class Picture {
 
   bool shows_bar() const { return shows_field() && options_.shows_bar; }
 
-  /// Which body each cell belongs to, where the frame knows.
+  /// Finds the body of each cell, where the frame knows.
   void find_bodies() {
     const auto found = std::ranges::find(frame_.cell_data, "body", &VtuValues::name);
     if (found != frame_.cell_data.end() && found->components == 1) bodies_ = found->values;

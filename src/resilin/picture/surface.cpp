@@ -12,7 +12,7 @@
 namespace resilin {
 namespace {
 
-constexpr int pieces = 6;  // that the side of a facet that may be curved is cut into
+constexpr int pieces = 6;  // pieces of a side of a facet that may be curved
 const double crease_cosine = std::cos(40 * std::numbers::pi / 180);
 
 struct Facet {
@@ -160,7 +160,7 @@ class SurfaceBuilder {
   }
 
   const std::vector<Vector3>& points_;
-  std::vector<CellBlock> boundaries_;  ///< that the facets are views of
+  std::vector<CellBlock> boundaries_;  ///< cells seen by the views of the facets
   std::vector<Facet> facets_;
   std::map<Index, std::vector<std::size_t>> facets_at_;  ///< by corner
   std::map<std::array<Index, 2>, Edge> edges_;           ///< by corners

@@ -10,6 +10,7 @@
 /// The parts of report.json. Included by sources only: the JSON header is heavy.
 namespace resilin {
 
+/// JSON whose keys keep their order.
 using Json = nlohmann::ordered_json;  // keys stay in the order of the contract
 
 /// One entry of "frames". Vectors have `dimension` numbers; angular momentum has 3, in 2D 1.

@@ -75,7 +75,7 @@ struct ResultFolder::Contents {
   std::optional<FieldEvaluator> evaluator;  ///< evaluator of the world whose states are recorded
   std::optional<ShownResults> shown;        ///< shown surface of the same world
   std::vector<std::pair<std::string, std::uintmax_t>> shown_files;
-  double output_seconds = 0;  ///< that the run has waited for
+  double output_seconds = 0;  ///< waiting time of the run
   double seconds_before;      ///< until the folder was made, and of the run that this one resumes
   int resumed_step =
       -1;  ///< step whose frame was measured again, without the numbers of the step that led to it
@@ -135,7 +135,7 @@ struct ResultFolder::Contents {
       if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
     };
     if (world.is_dynamic) keep("velocity");
-    if (!world.origin.isZero(0)) keep("displacement");  // which has digits that far places lose
+    if (!world.origin.isZero(0)) keep("displacement");  // it has digits that far places lose
     std::vector<FieldValues> fields = evaluator->evaluate(state, names);
     std::vector<FieldValues> shown_alone(std::make_move_iterator(fields.begin() + num_asked),
                                          std::make_move_iterator(fields.begin() + num_reported));

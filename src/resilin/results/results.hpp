@@ -35,7 +35,7 @@ class ResultFolder {
   ResultFolder& operator=(const ResultFolder&) = delete;
 
   const std::filesystem::path& path() const;
-  double output_seconds() const;  ///< that the run has waited for what is written
+  double output_seconds() const;  ///< waiting time of the run for its output
 
   /// Files of `finish` for viewing: names and sizes [bytes].
   const std::vector<std::pair<std::string, std::uintmax_t>>& shown_files() const;

@@ -10,7 +10,7 @@ namespace resilin {
 /// Data that a restart takes from the earlier report.
 struct SavedReport {
   Json frames = Json::array();  ///< each with a step, rising, a time and a load
-  double total_seconds = 0;     ///< that the run had taken
+  double total_seconds = 0;     ///< run time so far [s]
 };
 
 /// Throws InputError naming the file, and the frame where one is to blame, for anything that is not a report.

@@ -62,11 +62,11 @@ struct RestShape {
 /// the loads cannot be taken at once, they are raised in parts. The verdict is that of a run of the scene
 /// from the shape found (docs/theory/gradients.md).
 ///
-/// What touches in the shape as drawn presses there, and is raised with the loads. Rest shapes on the way may
-/// be anywhere, inside of colliders as well: only what is drawn has to be outside. The rest shape found may
-/// lie inside, too: a body that is held pressed on a floor. The areas that barriers bear, and how far the
-/// scene lets them reach by default, follow the rest shape; of that Newton's method has the areas on exact
-/// shapes in its matrix, leaves the rest out and comes to the same place.
+/// Surfaces that touch in the target shape press there; that force is raised with the loads. Rest shapes on
+/// the way may be anywhere, inside of colliders as well: only what is drawn has to be outside. The rest shape
+/// found may lie inside, too: a body that is held pressed on a floor. The areas that barriers bear, and how
+/// far the scene lets them reach by default, follow the rest shape; of that Newton's method has the areas on
+/// exact shapes in its matrix, leaves the rest out and comes to the same place.
 ///
 /// @throws InputError  for motion, for friction, and when no such shape is found: why
 RestShape find_rest_shape(Description description, const RestShapeOptions& options = {});

@@ -10,8 +10,8 @@ namespace resilin {
 /// computations whose own loops are short. While one such call goes on, others in the same process do their
 /// tasks one after another.
 ///
-/// What a task throws ends the call, once those that have begun are through: of several the one of the lowest
-/// number, whatever the number of threads.
+/// An exception of a task ends the call, once the running tasks are through. Among several the task of the
+/// lowest number decides, whatever the number of threads.
 /// @param goes_on  asked by the calling thread every 20 ms
 /// @param stops    becomes true when it says no; for tasks to look at, in which Interrupted is then due
 /// @throws Interrupted  once stopped

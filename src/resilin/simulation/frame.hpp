@@ -49,7 +49,7 @@ struct Frame {
     bool is_rigid = false;
     bool is_unstable = false;
     double growth_rate = 0;                    ///< growth rate of an unstable mode [1/s]
-    Vector3 effective_mass = Vector3::Zero();  ///< that a shaken wall moves in it [kg]
+    Vector3 effective_mass = Vector3::Zero();  ///< mass that a shaken wall moves in it [kg]
   };
 
   int step = 0;

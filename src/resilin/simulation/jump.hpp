@@ -16,7 +16,7 @@ struct Equilibrium {
 /// Bodies that went from one equilibrium to another far away while the loads hardly changed: they snapped
 /// through, slipped off or unwound, and lost strain energy on the way.
 struct Jump {
-  double energy = 0;        ///< that was lost [J]
+  double energy = 0;        ///< energy lost [J]
   double from = 0, to = 0;  ///< load factors between which
   /// Smaller steps go on without one, on another path than that of the step.
   bool is_avoidable = false;

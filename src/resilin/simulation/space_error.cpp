@@ -77,7 +77,8 @@ std::optional<SpaceError> space_error_in(Simulation& simulation) {
   const DistributedLoads loads = distributed_loads(world, x, conditions);
 
   const bool has_free_unknowns = world.num_free_unknowns() > 0;
-  // That of the search is not near enough: large rotations of the last steps would make S indefinite.
+  // The matrix of the line search is not near enough: large rotations of the last steps would make S
+  // indefinite.
   if (has_free_unknowns) simulation.newton().form_matrix(potential, world.is_fixed, x);
 
   SpaceError error;

@@ -8,7 +8,7 @@ namespace resilin {
 /// A step in time that has been tried and not yet been made.
 struct TimeStepper::Attempt {
   StepReport report{};
-  const Integrator* scheme = nullptr;  ///< that took it
+  const Integrator* scheme = nullptr;  ///< integrator of the step
   /// Every search found a minimum, or ended early only because newton.max_iterations is low on purpose: a
   /// shorter step would change nothing about that.
   bool is_usable = true;

@@ -39,7 +39,7 @@ struct SweepDescription {
   std::string place = "sweep";
   SceneValue base;
   std::string base_name;         ///< for messages
-  std::filesystem::path folder;  ///< that the paths in the scene start at
+  std::filesystem::path folder;  ///< base of the relative paths in the scene
   std::vector<SweepParameter> parameters;
   SweepMethod method = SweepMethod::grid;
   std::int64_t samples = 0;  ///< samples of latin_hypercube and sobol

@@ -49,7 +49,7 @@ class SceneQueue {
   bool is_empty_ = false;
 };
 
-/// Which scenes of a sweep run here, and on how many threads.
+/// Selects the scenes of a sweep that run here, and the number of threads.
 struct SweepRunOptions {
   SceneQueue::Options queue{};
   int jobs = 0;              ///< scenes at once; 0: see jobs_for
@@ -65,7 +65,7 @@ struct SweepRunOptions {
 struct SweepProgress {
   SweepCount count;  ///< count of the shard, those of earlier runs and of other processes included
   std::uint64_t run = 0, run_failed = 0;  ///< by this one
-  std::uint64_t others = 0;               ///< that other processes are at work on
+  std::uint64_t others = 0;               ///< scenes at work in other processes
   double seconds = 0;                     ///< since this run began
   double scene_seconds = 0;               ///< scene seconds of all scenes that it has run together
   int jobs = 1;

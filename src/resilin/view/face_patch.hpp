@@ -10,7 +10,7 @@ namespace resilin {
 
 /// How far a face reaches from the place that is meant.
 struct FaceReach {
-  double angle = 30;  ///< that its sides turn away from there at most [degrees]
+  double angle = 30;  ///< largest turn of its sides away from there [degrees]
   double radius = 0;  ///< from there, to the middle of a side, at rest [m]; 0: no limit
 };
 

@@ -18,7 +18,7 @@ struct ViewHeader {
   Vector3 up = Vector3::UnitZ();           ///< in 2D always y
   Vector3 gravity = Vector3::Zero();       ///< [m/s^2]
   std::optional<double> ground{};          ///< height of a ground plane along `up`, to be drawn [m]
-  std::vector<ScalarField> fields{};       ///< that frames may carry, in their order
+  std::vector<ScalarField> fields{};       ///< fields of frames, in their order
   std::vector<ShownCollider> colliders{};  ///< to be drawn, but for that ground
 };
 

@@ -22,7 +22,7 @@ struct ShownMark {
     std::vector<double> at, factors;
   };
   Course course{};
-  double greatest = 0;  ///< that force [N]; at load factor 1, or when it is greatest in time
+  double greatest = 0;  ///< greatest force [N]; at load factor 1, or when it is greatest in time
 };
 
 /// The supports, loads (but for gravity) and probes of a world. Of many vertices some hundred are taken

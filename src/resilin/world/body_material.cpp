@@ -78,7 +78,7 @@ const LawInfo& limiting_law(const std::vector<DomainMaterial>& materials) {
 
 std::vector<std::shared_ptr<Energy>> give_material(const World& world, const BodyDescription& description,
                                                    const std::vector<DomainMaterial>& materials, Body& body) {
-  using Gradients = ElasticTiles::Gradients;  // that of viscous damping, in motion, are those of the body
+  using Gradients = ElasticTiles::Gradients;  // viscous damping, if dynamic, takes those of the body
   std::vector<std::shared_ptr<Energy>> energies;
   std::vector<Domain> domains;
   body.mass = 0;

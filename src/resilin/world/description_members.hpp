@@ -8,6 +8,7 @@
 /// fingerprint.cpp.
 namespace resilin {
 
+/// A constant function has no members.
 inline Members<> members(const TimeFunction::Constant&) { return {}; }
 
 RESILIN_MEMBERS(Where, kind, group, min, max, axis, at, tolerance, center, radius, vertices, face_at, normal,

@@ -14,7 +14,7 @@ namespace resilin {
 /// Cells of a body that are of one material: their constitutive model, their density and their own term of
 /// strain energy.
 struct Domain {
-  std::string name;  ///< that of the [[body.region]]; empty for the body's own material
+  std::string name;  ///< name of the [[body.region]]; empty for the body's own material
   int region = -1;   ///< its number among the regions of the body's description; -1: the body's own material
   std::string law;   ///< name of the constitutive model
   /// Constants of its formula; per-cell ones by their mean

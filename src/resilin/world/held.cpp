@@ -1,4 +1,4 @@
-// Which rigid motions of a body nothing holds.
+// Rigid motions of a body that no boundary condition holds.
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -12,7 +12,7 @@ namespace resilin {
 struct Resultant {
   std::string name;
   std::string kind;     ///< "fix", or the kind of the load: "traction", "gravity", ...
-  Index num_nodes = 0;  ///< that it selects
+  Index num_nodes = 0;  ///< number of selected nodes
   Index num_facets = 0;
   double area = 0;  ///< area of the facets at rest [m^2]; in 2D on unit thickness
   Vector3 center =

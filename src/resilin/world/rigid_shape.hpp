@@ -47,6 +47,7 @@ struct RigidBodies {
   std::vector<std::shared_ptr<const RigidShape>> shapes;  ///< one for each body; null: deformable
 };
 
+/// Whether at least one body is rigid.
 bool has_rigid_bodies(const Description& description);
 
 /// @throws InputError  for keys that a rigid body does not have, a missing density, supports that no control

@@ -64,7 +64,7 @@ void move(FixDescription& fix, const Vector3& by) {
 
 Vector3 find_scene_origin(const Description& description) {
   Vector3 middle = Vector3::Zero(), first = Vector3::Zero();
-  if (description.dimension != 2 && description.dimension != 3) return middle;  // which is refused later
+  if (description.dimension != 2 && description.dimension != 3) return middle;  // refused later
   const Eigen::AlignedBox3d bounds = bounds_of(description);
   if (bounds.isEmpty() || !bounds.sizes().allFinite()) return middle;
   double extent = 0;

@@ -45,7 +45,7 @@ struct State {
   double collider_delay = 0;          ///< how far moving colliders are behind; bodies were in their way [s]
   double energy_excess = 0;           ///< how far the energy, less work done, has risen: see TimeStepper [J]
   double largest_kinetic_energy = 0;  ///< so far [J]
-  int guarded_steps = 0;              ///< that would have added energy, and were changed
+  int guarded_steps = 0;              ///< steps that would have added energy, and were changed
   double removed_energy = 0;          ///< from the velocities of these [J]
   int divided_steps = 0;              ///< taken in parts, for none of the whole length was found
 

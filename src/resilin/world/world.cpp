@@ -355,7 +355,7 @@ void Builder::add_coupled(std::shared_ptr<Energy> term, const TermOrigin& origin
 }
 
 void Builder::add_constraints() {
-  if (part_ != nullptr) return;  // which have none
+  if (part_ != nullptr) return;  // a part has none
   if (world_.modes) refuse_constraints(description_, "modal analysis");
   if (world_.follows_path) refuse_constraints(description_, "arc length");
   world_.constraints = make_constraints(description_, world_, meshes_);

@@ -3,7 +3,7 @@
 import { element } from "./dom";
 import type { Overlays } from "./overlays";
 
-export const MOST_BYTES = 256 * 2 ** 20; // that the program takes
+export const MOST_BYTES = 256 * 2 ** 20; // limit of the program
 
 /** How a file reaches the program; throws an Error with its words. Null: this page has none that reads files. */
 export type SendFile = ((file: File) => Promise<void>) | null;

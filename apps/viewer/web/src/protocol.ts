@@ -1,5 +1,5 @@
 /**
- * What the page and the program say to each other, in both directions: the types, and the one place where bytes and
+ * Messages between the page and the program, in both directions: the types, and the one place where bytes and
  * texts become values of them. docs/view_protocol.md describes it.
  */
 
@@ -61,7 +61,7 @@ const mark = object({
   name: text,
   vertices: list(number),
   directions: optional(list(vector)), // directions of a load: its force at each vertex over the greatest
-  greatest: optional(number), // that force [N]
+  greatest: optional(number), // greatest of these forces [N]
   course: optional(object({ over: word("time", "load"), at: list(number), factors: list(number) })),
 });
 export type Mark = Read<typeof mark>;

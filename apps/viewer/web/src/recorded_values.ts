@@ -1,5 +1,5 @@
 /**
- * What the results page shows of a recording: fields that it holds, that are formed from the places, or that
+ * Values on the results page: fields that it holds, that are formed from the places, or that
  * are fetched.
  */
 

@@ -15,7 +15,7 @@ interface Axis {
   line: SVGLineElement | null; // line of the positive half
 }
 
-/** Which face is seen from the end of an axis, in words. */
+/** Label of the view from the end of an axis. */
 const seenFrom = (name: string, isPositive: boolean) => `Look from ${isPositive ? "+" : "−"}${name}`;
 
 export class Triad {

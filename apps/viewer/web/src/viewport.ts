@@ -173,7 +173,7 @@ export class Viewport {
     return [...new Set(this.header.parts.map((part) => part.body))];
   }
 
-  /** Which bodies are seen, and how transparent. */
+  /** Sets visibility and transparency of the bodies. */
   setBodies(looks: ReadonlyMap<string, BodyLook>): void {
     this.bodyLooks = looks;
     this.applyLook();

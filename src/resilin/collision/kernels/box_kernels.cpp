@@ -135,7 +135,7 @@ RESILIN_INLINE unsigned bits_of(const Truth holds[Floats::num_registers]) {
   return bits;
 }
 
-/// Which boxes of a block something holds for.
+/// A condition on each box of a block.
 struct Columns {
   Truth holds[Floats::num_registers];
 
