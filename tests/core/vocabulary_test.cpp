@@ -37,6 +37,13 @@ TEST(Vocabulary, SaysWhatAWordIsCalledHere) {
       {"bonded", {"tie", "constraint"}, "it is called \"tie\" here"},
       {"plane stress", {"2", "3"}, "it is simulation.dimension = \"plane_stress\" here"},
       {"viscoelastic", {"law", "name"}, "it is called body.material.viscoelastic here"},
+      {"rigid",
+       {"collider"},
+       "it is called [[collider]] (prescribed motion) or body.rigid (free motion) here"},
+      {"rigid_body", {"material", "rigid"}, "it is called \"rigid\" here"},
+      {"constitutive", {"constraint"}, "it is called body.material here"},
+      {"displacement", {"element"}, "it is called [[fix]] here"},
+      {"self_contact", {"contact"}, "it is called \"contact\" here"},
   };
   for (const Wish& wish : wishes) EXPECT_EQ(cure_of_word(wish.word, wish.known), wish.cure) << wish.word;
 }

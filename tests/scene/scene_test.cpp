@@ -80,7 +80,6 @@ TEST(SceneFile, KnowsTheWordsOfOtherPrograms) {
       {"displacement=[{}]", "fix"},
       {"force=[{}]", "load"},
       {"obstacle=[{}]", "collider"},
-      {"rigid=[{}]", "collider"},
       {"body.0.material.model=\"neo_hookean\"", "law"},
       {"body.0.material.Constitutive-Model=\"neo_hookean\"", "law"},
       {"body.0.material.nu=0.3", "poissons_ratio"},
@@ -93,6 +92,7 @@ TEST(SceneFile, KnowsTheWordsOfOtherPrograms) {
   };
   for (const auto& [words, key] : cases)
     EXPECT_THAT(error_with({words}), HasSubstr(std::string("it is called \"") + key + "\" here")) << words;
+  EXPECT_THAT(error_with({"rigid=[{}]"}), HasSubstr("[[collider]] (prescribed motion) or body.rigid"));
 }
 
 TEST(SceneFile, TellsFileLineAndKeyOfAWrongValue) {

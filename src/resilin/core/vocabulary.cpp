@@ -30,7 +30,7 @@ constexpr std::array rows = {
     Row{"load",
         "neumann force forces moment moments torque traction pressure body_force dead_load follower_load "
         "surface_load cload dload dsload neumann_boundary pressure_boundary"},
-    Row{"collider", "obstacle obstacles rigid rigid_body rigid_bodies floor ground wall plane is_obstacle"},
+    Row{"collider", "obstacle obstacles floor ground wall plane is_obstacle"},
     Row{"body", "part parts solid solids domain geometry geometries object deformable"},
     Row{"probe", "monitor sensor history node_history point_output tracker"},
     Row{"step", "stage stages load_case load_cases loadcase analysis_step"},
@@ -39,7 +39,8 @@ constexpr std::array rows = {
     Row{"kind", "analysis procedure type"},
     Row{"newton", "nonlinear nonlinear_solver convergence"},
     Row{"solver", "linear_solver linear direct iterative preconditioner"},
-    Row{"contact", "contact_pair contact_pairs interaction collision collisions ipc"},
+    Row{"contact",
+        "contact_pair contact_pairs general_contact self_contact interaction collision collisions ipc"},
     Row{"law",
         "model constitutive constitutive_model constitutive_law material_model hyperelastic type name "
         "energy"},
@@ -100,6 +101,13 @@ constexpr std::array rows = {
     Row{"output", "results plotfile field_output writer"},
     Row{"dimension", "dim ndim spatial_dimension"},
 
+    // words of another table
+    Row{"rigid", "rigid rigid_body rigid_bodies",
+        "[[collider]] (prescribed motion) or body.rigid (free motion)"},
+    Row{"fix", "displacement prescribed_displacement dirichlet", "[[fix]]"},
+    Row{"material", "model constitutive constitutive_model constitutive_law material_model", "body.material"},
+    Row{"friction", "friction friction_coefficient coefficient_of_friction", "contact.friction"},
+
     // values
     Row{"force nodal_force", "force point_load point_force concentrated_force remote_force total_force cload",
         "[[load]] of kind \"force\""},
@@ -111,7 +119,8 @@ constexpr std::array rows = {
     Row{"backward_euler", "implicit_euler euler", "simulation.integrator"},
     Row{"static", "quasistatic quasi_static steady equilibrium", "simulation.kind = \"static\""},
     Row{"dynamic", "transient implicit_dynamic", "simulation.kind = \"dynamic\""},
-    Row{"modes", "modal eigenmodes vibration", "simulation.kind = \"modes\""},
+    Row{"modes", "modal eigenmodes vibration frequency eigenfrequencies natural_frequencies",
+        "simulation.kind = \"modes\""},
     Row{"plane_stress", "cps cps3 cps4 cps6 plane_stress", "simulation.dimension = \"plane_stress\""},
     Row{"linear_elastic", "hookean hooke isotropic_linear_elastic", "body.material.law"},
     Row{"neo_hookean", "neohookean neo_hooke nh", "body.material.law"},
