@@ -95,9 +95,8 @@ Json frame_json(const Frame& frame, int dimension) {
     json["reaction_moments"][frame.reactions[i].first] = moment_json(frame.reaction_torques[i], dimension);
   }
   for (const Frame::RigidMotion& body : frame.rigid_bodies) {
-    const Eigen::Quaterniond& q = body.rotation;
     json["rigid_bodies"][body.name] = {{"position", vector_json(body.position, dimension)},
-                                       {"rotation", {q.w(), q.x(), q.y(), q.z()}},
+                                       {"rotation", body.rotation},
                                        {"velocity", vector_json(body.velocity, dimension)},
                                        {"angular_velocity", moment_json(body.angular_velocity, dimension)}};
   }

@@ -97,8 +97,9 @@ Frame::RigidMotion rigid_motion(const World& world, const Body& body, const Stat
   const Eigen::MatrixXd F = edges(state.positions, 1) * inverse;
   const Matrix<3> R = nearest_rotation(F);
   Frame::RigidMotion motion{.name = body.name, .position = centre(state.positions)};
-  motion.rotation = Eigen::Quaterniond(R);
-  if (motion.rotation.w() < 0) motion.rotation.coeffs() *= -1;
+  const Eigen::Quaterniond q(R);
+  const double sign = q.w() < 0 ? -1 : 1;
+  motion.rotation = {sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z()};
   if (!world.is_dynamic) return motion;
   motion.velocity = centre(state.velocities);
   const Eigen::MatrixXd W = edges(state.velocities, 0) * inverse * dense::inverse(F);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -30,9 +30,10 @@ struct Frame {
   /// Motion of a rigid body.
   struct RigidMotion {
     std::string name;
-    Vector3 position = Vector3::Zero();          ///< position of the centre of mass [m]
-    Eigen::Quaterniond rotation{1, 0, 0, 0};     ///< from the placed reference configuration; w >= 0
-    Vector3 velocity = Vector3::Zero();          ///< velocity of the centre of mass [m/s]
+    Vector3 position = Vector3::Zero();  ///< position of the centre of mass [m]
+    std::array<double, 4> rotation = {
+        1, 0, 0, 0};                     ///< quaternion (w, x, y, z) from the placed reference configuration
+    Vector3 velocity = Vector3::Zero();  ///< velocity of the centre of mass [m/s]
     Vector3 angular_velocity = Vector3::Zero();  ///< [rad/s]
   };
 
