@@ -122,6 +122,8 @@ constexpr std::array rows = {
     Row{"modes", "modal eigenmodes vibration frequency eigenfrequencies natural_frequencies",
         "simulation.kind = \"modes\""},
     Row{"plane_stress", "cps cps3 cps4 cps6 plane_stress", "simulation.dimension = \"plane_stress\""},
+    Row{"axisymmetric", "axisymmetry axi cax cax3 cax4 cax6 cax8 axisymmetric",
+        "simulation.dimension = \"axisymmetric\""},
     Row{"linear_elastic", "hookean hooke isotropic_linear_elastic", "body.material.law"},
     Row{"neo_hookean", "neohookean neo_hooke nh", "body.material.law"},
     Row{"mooney_rivlin", "mooney", "body.material.law"},
@@ -133,7 +135,6 @@ constexpr std::array rows = {
     Row{"spherical_shell", "hollow_sphere", "mesh = { spherical_shell = ... }"},
 
     // features that are not available
-    Row{"", "axisymmetric axisymmetry axi cax", "", "no axisymmetry"},
     Row{"", "plasticity plastic elastoplastic yield_stress von_mises_plasticity", "", "no plasticity"},
     Row{"", "damage fracture crack", "", "fracture"},
     Row{"", "creep", "", "creep"},

@@ -4,6 +4,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/element/axisymmetric.hpp"
 
 namespace resilin {
 namespace {
@@ -34,7 +35,49 @@ const std::vector<ElementInfo>& infos() {
   return table;
 }
 
+constexpr std::string_view axisymmetric_suffix = " axisymmetric";
+
+/// The twins of the plane elements, in their order.
+const std::vector<ElementInfo>& axisymmetric_infos() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const ElementInfo& element : infos())
+      if (element.dim == 2) all.push_back(axisymmetric_name(element.name));
+    return all;
+  }();
+  static const std::vector<ElementInfo> table = [] {
+    std::vector<ElementInfo> all;
+    for (const ElementInfo& element : infos()) {
+      if (element.dim != 2) continue;
+      ElementInfo twin = element;
+      twin.name = names[all.size()];
+      all.push_back(twin);
+    }
+    return all;
+  }();
+  return table;
+}
+
 }  // namespace
+
+std::string axisymmetric_name(std::string_view element) {
+  return std::string(element) + std::string(axisymmetric_suffix);
+}
+
+bool has_axisymmetric_name(std::string_view element) { return element.ends_with(axisymmetric_suffix); }
+
+std::string plane_name(std::string_view element) {
+  if (has_axisymmetric_name(element)) element.remove_suffix(axisymmetric_suffix.size());
+  return std::string(element);
+}
+
+bool is_axisymmetric(const ElementInfo& element) {
+  return element.dim == 2 && has_axisymmetric_name(element.name);
+}
+
+const ElementInfo& axisymmetric_element(const ElementInfo& plane) {
+  return require_element(axisymmetric_name(plane.name), 2, "element");
+}
 
 std::vector<const ElementInfo*> elements() {
   std::vector<const ElementInfo*> all;
@@ -44,6 +87,8 @@ std::vector<const ElementInfo*> elements() {
 
 const ElementInfo* find_element(std::string_view name, int dim) {
   for (const ElementInfo& element : infos())
+    if (element.name == name && element.dim == dim) return &element;
+  for (const ElementInfo& element : axisymmetric_infos())
     if (element.name == name && element.dim == dim) return &element;
   return nullptr;
 }

@@ -2,9 +2,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include "resilin/core/error.hpp"
+#include <numbers>
 
+#include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/element/axisymmetric.hpp"
 
 namespace resilin {
 
@@ -66,6 +68,13 @@ PointGeometry point_geometry(const ElementInfo& element, const QuadraturePoint& 
   const Matrix<3> dxi_dX = dX_dxi.inverse();
   PointGeometry geometry{point.weight * dX_dxi.determinant(), std::vector<double>(dim * num_nodes, 0.0),
                          dxi_dX};
+  if (is_axisymmetric(element)) {
+    std::vector<double> N(num_nodes);
+    element.shape_values(point.xi, N);
+    double R = 0;
+    for (std::size_t a = 0; a < num_nodes; ++a) R += N[a] * rest_positions[a * dim];
+    geometry.weight *= 2 * std::numbers::pi * R;
+  }
   for (std::size_t a = 0; a < num_nodes; ++a)
     for (std::size_t k = 0; k < dim; ++k)
       for (std::size_t i = 0; i < dim; ++i)

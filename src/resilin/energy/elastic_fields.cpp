@@ -7,6 +7,7 @@
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
+#include "resilin/energy/axisymmetric_blocks.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/material/plane_stress.hpp"
 
@@ -120,7 +121,7 @@ struct LeastRatio {
 void ElasticEnergy::for_each_point(const VectorX& x, const PointBody& body) const {
   const ElementBlocks& blocks = tiles_.blocks;
   const std::vector<double> u = blocks.local_displacements(x);
-  const int dim = blocks.dim;
+  const int dim = state_dim(blocks);
   const auto entries = static_cast<std::size_t>(dim * dim);
   parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
     ElasticTiles::Scratch scratch(tiles_);

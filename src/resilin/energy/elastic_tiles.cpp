@@ -6,6 +6,8 @@
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
+#include "resilin/energy/axisymmetric_blocks.hpp"
+#include "resilin/energy/kernels/axisymmetric_kernels.hpp"
 
 namespace resilin {
 namespace {
@@ -18,14 +20,16 @@ ElasticTiles::ElasticTiles(ElementBlocks element_blocks, const LawInfo& material
                            InstructionSet set, Gradients gradients)
     : blocks(std::move(element_blocks)),
       law(&material_law),
-      simplex_kernels_(&element_kernels(blocks.dim, set)),
-      quadrature_kernels_(
-          blocks.is_linear_simplex() ? nullptr : &quadrature_kernels(blocks.dim, blocks.num_nodes, set)),
-      point_kernels_(&point_kernels(blocks.dim, set)),
+      simplex_kernels_(&element_kernels(state_dim(blocks), set)),
+      quadrature_kernels_(is_axisymmetric(blocks) ? &axisymmetric_kernels(blocks.num_nodes, set)
+                          : blocks.is_linear_simplex()
+                              ? nullptr
+                              : &quadrature_kernels(blocks.dim, blocks.num_nodes, set)),
+      point_kernels_(&point_kernels(state_dim(blocks), set)),
       law_kernels_(&resilin::law_kernels(law->index, set)),
       has_mean_volume_(has_mean) {
   constexpr Index small = 50000;  // cells: about what stays in the caches
-  if (blocks.is_linear_simplex() && (gradients == Gradients::held || blocks.num_cells <= small))
+  if (quadrature_kernels_ == nullptr && (gradients == Gradients::held || blocks.num_cells <= small))
     hold_gradients();
 }
 
@@ -43,9 +47,10 @@ void ElasticTiles::hold_gradients() {
 ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
   const ElementBlocks& elements = tiles.blocks;
   const std::size_t entries = tiles.blocks_per_tile() * elements.num_points;
-  const auto n = static_cast<std::size_t>(elements.dim * elements.dim);
+  const auto n = static_cast<std::size_t>(state_dim(elements) * state_dim(elements));
   const std::size_t mean_rows = tiles.has_mean_volume() ? 1 : 0;
-  const std::size_t K_rows = tiles.blocks_per_tile() * static_cast<std::size_t>(elements.num_pairs()) * n;
+  const std::size_t K_rows =
+      tiles.blocks_per_tile() * static_cast<std::size_t>(elements.num_pairs() * elements.dim * elements.dim);
   struct Part {
     double** place;
     std::size_t rows;
@@ -131,7 +136,7 @@ StateTile ElasticTiles::state_tile(const Tile& tile, Scratch& scratch) const {
 
 void ElasticTiles::gradients(const Tile& tile, const double* u, Scratch& scratch, double* H) const {
   constexpr LawForm any_law = {LawKind::invariants, false};  // H alone is wanted
-  if (blocks.is_linear_simplex())
+  if (quadrature_kernels_ == nullptr)
     simplex_kernels_->measure(simplex_tile(tile, scratch), any_law, u, H, scratch.variables, nullptr);
   else
     quadrature_kernels_->gradients(quadrature_tile(tile), u, H);
@@ -144,7 +149,7 @@ void ElasticTiles::volume_cubics(const Tile& tile, const double* H, const double
 /// H, the law's variables and, when asked for and the law is one of stretches, their frames.
 void ElasticTiles::measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const {
   double* frames = keeps_frames ? scratch.frames : nullptr;
-  if (blocks.is_linear_simplex())
+  if (quadrature_kernels_ == nullptr)
     return simplex_kernels_->measure(simplex_tile(tile, scratch), law_form(), u, scratch.H, scratch.variables,
                                      frames);
   quadrature_kernels_->gradients(quadrature_tile(tile), u, scratch.H);
@@ -219,7 +224,7 @@ void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratc
     take_row(scratch.mean_volume, tile.num_blocks, 1, scratch.mean);
     replace_volume(tile, volume_slope_row, rows, 1, scratch.mean, scratch, scratch.law);
   }
-  const auto entry_size = static_cast<std::size_t>(blocks.dim * blocks.dim);
+  const auto entry_size = static_cast<std::size_t>(state_dim(blocks) * state_dim(blocks));
   for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
     const std::size_t entry = i / block_size, lane = i % block_size;
     double square = 0;
@@ -245,7 +250,7 @@ void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratc
 
 void ElasticTiles::add_energies(const Tile& tile, const double* psi, const double* psi_from,
                                 EnergySum& sum) const {
-  if (blocks.is_linear_simplex())
+  if (quadrature_kernels_ == nullptr)
     simplex_kernels_->add_energies(simplex_tile(tile), psi, psi_from, sum);
   else
     quadrature_kernels_->add_energies(quadrature_tile(tile), psi, psi_from, sum);
@@ -255,7 +260,7 @@ void ElasticTiles::add_forces(const Tile& tile, const double* u, bool is_magnitu
                               Scratch& scratch, double* forces) const {
   measure(tile, u, true, scratch);
   call_law(law_kernels_->gradient, tile, scratch.variables, true, scratch, scratch.law);
-  if (blocks.is_linear_simplex()) {
+  if (quadrature_kernels_ == nullptr) {
     simplex_kernels_->add_forces(simplex_tile(tile, scratch), law_form(), scratch.H, scratch.frames,
                                  scratch.law, is_magnitude, owned, forces);
     return;
@@ -274,7 +279,7 @@ void ElasticTiles::hessians(const Tile& tile, const double* u, Projection projec
   measure(tile, u, true, scratch);
   call_law(law_kernels_->curvature, tile, scratch.variables, true, scratch, scratch.law);
   const double removed = removed_part(projection);
-  if (blocks.is_linear_simplex()) {
+  if (quadrature_kernels_ == nullptr) {
     simplex_kernels_->hessians(simplex_tile(tile, scratch), {law_form(), removed}, scratch.H, scratch.frames,
                                scratch.law, scratch.K);
     return;
@@ -303,7 +308,7 @@ void ElasticTiles::hessians(const Tile& tile, const double* u, Projection projec
 
 void ElasticTiles::scatter(const Tile& tile, const MatrixPlaces& places, const OwnedNodes& owned,
                            Scratch& scratch, double* values) const {
-  if (blocks.is_linear_simplex())
+  if (quadrature_kernels_ == nullptr)
     simplex_kernels_->scatter(simplex_tile(tile), scratch.K, places, owned, values);
   else
     quadrature_kernels_->scatter(quadrature_tile(tile), scratch.K, places, owned, values);
@@ -311,7 +316,7 @@ void ElasticTiles::scatter(const Tile& tile, const MatrixPlaces& places, const O
 
 void ElasticTiles::prefetch(const Tile& tile, const double* u, const MatrixPlaces& places,
                             const double* values) const {
-  if (blocks.is_linear_simplex())
+  if (quadrature_kernels_ == nullptr)
     simplex_kernels_->prefetch(simplex_tile(tile), u, places, values);
   else
     quadrature_kernels_->prefetch(quadrature_tile(tile), places, values);

@@ -8,6 +8,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/material/rest_tangents.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
 
@@ -74,6 +75,9 @@ LiveControls starting_controls(const Description& description, const World& worl
   if (is_plane_stress(world.bodies.front().domains.front().law_info()))
     throw InputError(description.place + ": simulation.dimension", "2 or 3 for a scene to play with",
                      "\"plane_stress\"", "compute it with resilin run and look at its pictures");
+  if (is_axisymmetric(world))
+    throw InputError(description.place + ": simulation.dimension", "2 or 3 for a scene to play with",
+                     "\"axisymmetric\"", "compute it with resilin run and look at its pictures");
   LiveControls controls = with_material({}, starting_material(first, world.bodies.front()));
   controls.damping = first.damping.mass;
   controls.gravity = description.gravity;

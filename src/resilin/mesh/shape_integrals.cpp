@@ -3,12 +3,22 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "resilin/element/axisymmetric.hpp"
 
 namespace resilin {
+namespace {
+
+/// Degree that the radius adds to integrals over rings.
+int degree_of_radius(const ElementInfo& element) { return is_axisymmetric(element) ? element.degree : 0; }
+
+}  // namespace
+
 ShapeIntegrals::ShapeIntegrals(const ElementInfo& element)
     : element_(element),
-      for_values_(sample(element.degree + element.jacobian_degree())),
-      for_products_(sample(2 * element.degree + element.jacobian_degree())),
+      for_values_(sample(element.degree + element.jacobian_degree() + degree_of_radius(element))),
+      for_products_(sample(2 * element.degree + element.jacobian_degree() + degree_of_radius(element))),
       for_affine_products_(sample(2 * element.degree)) {
   const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
   for (std::size_t a = 0; a < n; ++a)
@@ -76,6 +86,13 @@ void ShapeIntegrals::measure(const Samples& samples, std::span<const double> res
   cofactors_.resize(has_slopes ? dim * dim * samples.weights.size() : 0);
   const auto measure_in = element_.dim == 2 ? &measure_points<2> : &measure_points<3>;
   measure_in(samples.weights, samples.gradients, rest_positions, volumes_, cofactors_);
+  if (!is_axisymmetric(element_)) return;
+  const auto n = static_cast<std::size_t>(element_.num_nodes);
+  for (std::size_t q = 0; q < volumes_.size(); ++q) {
+    double R = 0;
+    for (std::size_t a = 0; a < n; ++a) R += samples.values[q * n + a] * rest_positions[a * dim];
+    volumes_[q] *= 2 * std::numbers::pi * R;
+  }
 }
 
 // d(det J) = cof J : dJ, dJ = sum_a dX_a dN_a/dxi^T
@@ -105,6 +122,7 @@ void ShapeIntegrals::add_slopes_of_volume(const Samples& samples, std::size_t po
 
 /// Every node stands where the cell's first corner and the corners along the reference axes put it.
 bool ShapeIntegrals::is_affine(std::span<const double> rest_positions) const {
+  if (is_axisymmetric(element_)) return false;  // the radius varies
   if (element_.jacobian_degree() == 0) return true;
   const auto dim = static_cast<std::size_t>(element_.dim);
   double size = 0, deviation = 0;

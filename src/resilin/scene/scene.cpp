@@ -1,5 +1,6 @@
 #include "resilin/scene/scene.hpp"
 
+#include "resilin/element/axisymmetric.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/scene/tables.hpp"
@@ -48,6 +49,11 @@ void take_plane_stress(Description& d) {
   }
 }
 
+/// In axisymmetric solids each body has the twin of its element (element/axisymmetric.hpp).
+void take_axisymmetry(Description& d) {
+  for (BodyDescription& body : d.bodies) body.element = axisymmetric_name(body.element);
+}
+
 void read_root(const SceneNode& root, Description& d) {
   refuse_fit(root);
   refuse_unknown_keys(
@@ -71,9 +77,11 @@ void read_root(const SceneNode& root, Description& d) {
   read_list(root, "probe", d.probes, read_probe);
   read_list(root, "section", d.sections, read_section);
   read_steps(root, d);
-  if (root.has("simulation") && root.child("simulation").has("dimension") &&
-      is_plane_stress_dimension(root.child("simulation").child("dimension")))
-    take_plane_stress(d);
+  if (root.has("simulation") && root.child("simulation").has("dimension")) {
+    const SceneNode dimension = root.child("simulation").child("dimension");
+    if (is_plane_stress_dimension(dimension)) take_plane_stress(d);
+    if (is_axisymmetric_dimension(dimension)) take_axisymmetry(d);
+  }
   if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one body with a mesh");
 }
 

@@ -80,7 +80,8 @@ Json of_type(const std::string& type) {
   const auto begins = [&type](const char* words) { return type.starts_with(words); };
   if (type == "true or false") return {{"type", "boolean"}};
   if (type == "true") return {{"const", true}};
-  if (type == "2, 3 or \"plane_stress\"") return {{"enum", {2, 3, "plane_stress"}}};
+  if (type == "2, 3, \"plane_stress\" or \"axisymmetric\"")
+    return {{"enum", {2, 3, "plane_stress", "axisymmetric"}}};
   if (begins("[[")) return {{"type", "array"}, {"items", reference(plain_title(type))}};
   const std::optional<std::string> anchor = anchor_of(type);
   if (anchor && begins("text or ")) return {{"anyOf", {{{"type", "string"}}, reference(*anchor)}}};

@@ -10,6 +10,11 @@ bool is_plane_stress_dimension(const SceneNode& node) {
   return text != nullptr && *text == "plane_stress";
 }
 
+bool is_axisymmetric_dimension(const SceneNode& node) {
+  const auto* text = std::get_if<std::string>(&node.value->data);
+  return text != nullptr && *text == "axisymmetric";
+}
+
 Keys<Description> simulation_keys() {
   using D = Description;
   const D defaults;
@@ -22,13 +27,15 @@ Keys<Description> simulation_keys() {
                if (kind == "modes") d.modes.emplace();
                node.context->is_dynamic = d.is_dynamic;
              }),
-      key<D>({"dimension", "2, 3 or \"plane_stress\"", "", default_text(defaults.dimension),
+      key<D>({"dimension", "2, 3, \"plane_stress\" or \"axisymmetric\"", "", default_text(defaults.dimension),
               "3, or 2 for plane strain at unit thickness. It sets the length of every vector. "
-              "`\"plane_stress\"`: 2 in [plane stress](materials.md#plane-stress), for thin sheets."},
+              "`\"plane_stress\"`: 2 in [plane stress](materials.md#plane-stress), for thin sheets. "
+              "`\"axisymmetric\"`: 2 with x the radius and y the axis of "
+              "[axisymmetric solids](materials.md#axisymmetric-solids)."},
              [](const SceneNode& node, D& d) {
-               const std::string expected = "2, 3 or \"plane_stress\"";
+               const std::string expected = "2, 3, \"plane_stress\" or \"axisymmetric\"";
                int dimension = 2;
-               if (!is_plane_stress_dimension(node)) {
+               if (!is_plane_stress_dimension(node) && !is_axisymmetric_dimension(node)) {
                  if (std::holds_alternative<std::string>(node.value->data)) node.fail(expected);
                  dimension = read_integer(node);
                  if (dimension != 2 && dimension != 3) node.fail(expected);

@@ -14,6 +14,7 @@ namespace resilin {
 // simulation_table.cpp
 /// Whether `simulation.dimension` stands for plane stress.
 bool is_plane_stress_dimension(const SceneNode& node);
+bool is_axisymmetric_dimension(const SceneNode& node);
 Keys<Description> simulation_keys();
 Keys<NewtonOptions> newton_keys();
 Keys<SolverOptions> solver_keys();

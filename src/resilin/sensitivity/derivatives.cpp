@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "resilin/core/error.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/constraints.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
@@ -22,6 +23,8 @@ void check_is_differentiable(const Description& description) {
     refuse("equilibria at given loads", "simulation.load_control = \"arc_length\"",
            "take load_control = \"load\"");
   refuse_constraints(description, "derivatives");
+  if (is_axisymmetric(description))
+    refuse("a scene in 2D or 3D", "an axisymmetric one", "take a slice in 3D");
   if (const std::string material = place_of_viscoelasticity(description); !material.empty())
     throw InputError(material, "elastic materials where derivatives are asked for", "a viscoelastic one",
                      "leave viscoelastic out");

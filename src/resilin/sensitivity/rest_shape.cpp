@@ -13,6 +13,7 @@
 #include "resilin/sensitivity/pressing_colliders.hpp"
 #include "resilin/sensitivity/rest_balance.hpp"
 #include "resilin/simulation/simulation.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/constraints.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
@@ -79,6 +80,9 @@ class Search {
       throw InputError(description_.place + ": simulation.modes", "none for a stress-free shape",
                        "modal analysis");
     refuse_constraints(description_, "a stress-free shape");
+    if (is_axisymmetric(description_))
+      throw InputError(description_.place + ": simulation.dimension", "2 or 3 for a stress-free shape",
+                       "\"axisymmetric\"", "take a slice in 3D");
     if (const std::string material = place_of_viscoelasticity(description_); !material.empty())
       throw InputError(material, "an elastic material for a stress-free shape", "a viscoelastic one",
                        "leave viscoelastic out");

@@ -5,6 +5,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/memory.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/element/axisymmetric.hpp"
 #include "resilin/element/catalog.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/mesh/check.hpp"
@@ -154,6 +155,13 @@ const CellBlock& solid_cells(const BodyDescription& body, int dim) {
 
 BodyMesh make_body_mesh(const BodyDescription& body, int dim, const ElementCase& c,
                         std::vector<std::string>& warnings) {
+  if (has_axisymmetric_name(body.element)) {
+    BodyDescription plane = body;
+    plane.element = plane_name(body.element);
+    BodyMesh ring = make_body_mesh(plane, dim, c, warnings);
+    ring.element = &axisymmetric_element(*ring.element);
+    return ring;
+  }
   BodyMesh made;
   if (body.element == "auto") {
     const ChosenElement chosen = choose_element(c);

@@ -5,8 +5,10 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/core/vocabulary.hpp"
+#include "resilin/element/axisymmetric.hpp"
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/pressure.hpp"
+#include "resilin/energy/ring_loads.hpp"
 #include "resilin/energy/spread_force.hpp"
 #include "resilin/world/selection.hpp"
 
@@ -41,6 +43,8 @@ CellBlock facets_of(const LoadDescription& load, const LoadSite& site) {
 }
 
 std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSite& site) {
+  if (is_axisymmetric(site.element))
+    return dead_load(std::make_shared<RingTraction>(facets_of(load, site), false), load, site);
   return dead_load(std::make_shared<LoadedFacets>(site.dimension, facets_of(load, site)), load, site);
 }
 
@@ -57,6 +61,8 @@ std::shared_ptr<Energy> spread(SpreadForce::Kind kind, const LoadDescription& lo
 }
 
 std::shared_ptr<Energy> make_force(const LoadDescription& load, const LoadSite& site) {
+  if (is_axisymmetric(site.element))
+    return dead_load(std::make_shared<RingTraction>(facets_of(load, site), true), load, site);
   return spread(SpreadForce::Kind::force, load, site);
 }
 
@@ -65,6 +71,9 @@ std::shared_ptr<Energy> make_moment(const LoadDescription& load, const LoadSite&
 }
 
 std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSite& site) {
+  if (is_axisymmetric(site.element))
+    return std::make_shared<RingPressure>(site.name, facets_of(load, site), load.pressure,
+                                          site.rest_positions, site.active);
   return std::make_shared<Pressure>(site.name, site.dimension, facets_of(load, site), load.pressure,
                                     site.rest_positions, site.active);
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/body_mesh.hpp"
 
 namespace resilin {
@@ -65,6 +66,7 @@ void move(FixDescription& fix, const Vector3& by) {
 Vector3 find_scene_origin(const Description& description) {
   Vector3 middle = Vector3::Zero(), first = Vector3::Zero();
   if (description.dimension != 2 && description.dimension != 3) return middle;  // refused later
+  if (is_axisymmetric(description)) return middle;                              // the axis stays
   const Eigen::AlignedBox3d bounds = bounds_of(description);
   if (bounds.isEmpty() || !bounds.sizes().allFinite()) return middle;
   double extent = 0;

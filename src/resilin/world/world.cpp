@@ -10,6 +10,7 @@
 #include "resilin/energy/history_term.hpp"
 #include "resilin/energy/inertia.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/body_mesh.hpp"
 #include "resilin/world/body_overlap.hpp"
@@ -140,6 +141,10 @@ class Builder {
 void Builder::build() {
   check_description(description_);
   check_viscoelasticity(description_);
+  check_axisymmetry(description_);
+  if (part_ != nullptr && is_axisymmetric(description_))
+    throw InputError(world_.place + ": simulation.dimension", "2 or 3 for several MPI processes",
+                     "\"axisymmetric\"", "run it on one process");
   if (description_.bodies.empty()) throw InputError(world_.place, "at least one [[body]]", "none");
   for (const BodyDescription& body : description_.bodies) add_body(body);
   if (world_.other_contact_shape == world_.rest_positions) world_.other_contact_shape.resize(0);
@@ -191,7 +196,7 @@ void Builder::build() {
   if (part_ != nullptr) return;  // the whole has been checked
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
-  if (finds_equilibrium) check_is_held(world_);
+  if (finds_equilibrium) is_axisymmetric(world_) ? check_is_held_along_axis(world_) : check_is_held(world_);
   find_oddities();
 }
 
@@ -258,6 +263,7 @@ void Builder::add_body(const BodyDescription& description) {
 
   const VectorX rest = placed_vertices(description, made.mesh, world_.dimension);
   append(world_.rest_positions, rest);
+  if (is_axisymmetric(description_)) check_radii(description, world_.rest_positions, body.first_node);
   const auto of_nodes = [&](const auto& given, const char* key, const VectorX& otherwise) {
     return given.empty() ? otherwise
                          : values_of_nodes(given, made, world_.dimension, description.place + key);
@@ -402,6 +408,7 @@ void Builder::find_fixed_unknowns() {
   if (const Dependents* dependents = world_.dependents())
     for (const Dependents::Relation& relation : dependents->relations())
       world_.is_fixed[static_cast<std::size_t>(relation.unknown)] = 1;
+  fix_axis(world_);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "resilin/core/parallel.hpp"
 #include "resilin/core/simd.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/element/axisymmetric.hpp"
 
 namespace resilin {
 namespace {
@@ -127,6 +128,16 @@ std::vector<Index> spread_over_blocks(const std::vector<Index>& order) {
   return lanes;
 }
 
+/// Whether the cells take the kernels of linear simplices.
+bool are_linear_simplices(const ElementInfo& element, const ElementBlocks& blocks) {
+  return blocks.is_linear_simplex() && !is_axisymmetric(element);
+}
+
+/// Rows of `ElementBlocks::gradients` for each point: dxi/dX, and 1/R in axisymmetric solids.
+std::size_t rows_of_point(const ElementInfo& element) {
+  return static_cast<std::size_t>(element.dim * element.dim) + (is_axisymmetric(element) ? 1 : 0);
+}
+
 void check_volumes(const ElementBlocks& blocks) {
   const std::size_t of_block = blocks.num_points * block_size;
   for (std::size_t i = 0; i < blocks.weights.size(); ++i) {
@@ -144,7 +155,7 @@ void fill_lane(const ElementInfo& element, const QuadratureRule& rule, std::span
   const auto n = static_cast<std::size_t>(element.num_nodes), dim = static_cast<std::size_t>(element.dim);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (out.is_linear_simplex())
+  if (are_linear_simplices(element, out))
     std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return cell[a] < cell[b]; });
   for (std::size_t a = 0; a < n; ++a) out.nodes[(block * n + a) * block_size + lane] = local_cell[order[a]];
 
@@ -152,15 +163,34 @@ void fill_lane(const ElementInfo& element, const QuadratureRule& rule, std::span
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t i = 0; i < dim; ++i)
       positions[a * dim + i] = X[static_cast<Eigen::Index>(static_cast<std::size_t>(cell[a]) * dim + i)];
-  const std::size_t num_points = rule.points.size();
+  const std::size_t num_points = rule.points.size(), rows = rows_of_point(element);
   for (std::size_t q = 0; q < num_points; ++q) {
     const PointGeometry geometry = point_geometry(element, rule.points[q], positions);
     out.weights[(block * num_points + q) * block_size + lane] = is_copy ? 0 : geometry.weight;
-    for (std::size_t k = 0; k < dim * dim && !out.is_linear_simplex(); ++k)
-      out.gradients[((block * num_points + q) * dim * dim + k) * block_size + lane] =
+    for (std::size_t k = 0; k < dim * dim && !are_linear_simplices(element, out); ++k)
+      out.gradients[((block * num_points + q) * rows + k) * block_size + lane] =
           is_copy ? 0
                   : geometry.dxi_dX(static_cast<Eigen::Index>(k / dim), static_cast<Eigen::Index>(k % dim));
+    if (!is_axisymmetric(element) || is_copy) continue;
+    std::vector<double> N(n);
+    element.shape_values(rule.points[q].xi, N);
+    double R = 0;
+    for (std::size_t a = 0; a < n; ++a) R += N[a] * positions[a * dim];
+    out.gradients[((block * num_points + q) * rows + dim * dim) * block_size + lane] = 1 / R;
   }
+}
+
+/// dN_a/dxi_k and N_a at [point][a], for axisymmetric solids.
+std::vector<double> reference_gradients_and_values(const ElementInfo& element, const QuadratureRule& rule) {
+  const auto n = static_cast<std::size_t>(element.num_nodes);
+  std::vector<double> gradients(2 * n), values(n), all;
+  for (const QuadraturePoint& point : rule.points) {
+    element.shape_gradients(point.xi, gradients);
+    element.shape_values(point.xi, values);
+    for (std::size_t a = 0; a < n; ++a)
+      all.insert(all.end(), {gradients[2 * a], gradients[2 * a + 1], values[a]});
+  }
+  return all;
 }
 
 /// dN_a/dxi_k at [point][a][k].
@@ -231,12 +261,12 @@ ElementBlocks make_element_blocks(const ElementInfo& element, const QuadratureRu
   foresee_geometry(element, rule, lanes);
   out.cells = spread_over_blocks(order);
   assign_zeros(out.nodes, lanes * n);
-  const auto dim = static_cast<std::size_t>(element.dim);
   out.num_points = rule.points.size();
   assign_zeros(out.weights, lanes * out.num_points);
-  if (!out.is_linear_simplex()) {
-    assign_zeros(out.gradients, lanes * out.num_points * dim * dim);
-    out.reference_gradients = reference_gradients(element, rule);
+  if (!are_linear_simplices(element, out)) {
+    assign_zeros(out.gradients, lanes * out.num_points * rows_of_point(element));
+    out.reference_gradients = is_axisymmetric(element) ? reference_gradients_and_values(element, rule)
+                                                       : reference_gradients(element, rule);
   }
   parallel_for(lanes, lanes_per_chunk, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {

@@ -1,4 +1,5 @@
 #include "resilin/core/kernel_dispatch.hpp"
+#include "resilin/energy/kernels/axisymmetric_kernels.hpp"
 #include "resilin/energy/kernels/element_kernels.hpp"
 #include "resilin/energy/kernels/overstress_kernels.hpp"
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
@@ -13,6 +14,11 @@ const ElementKernels& element_kernels(int dim, InstructionSet set) {
 const QuadratureKernels& quadrature_kernels(int dim, int num_nodes, InstructionSet set) {
   return *CompiledSets::kernels(
       set, [dim, num_nodes]<InstructionSet s>() { return &compiled_quadrature_kernels<s>(dim, num_nodes); });
+}
+
+const QuadratureKernels& axisymmetric_kernels(int num_nodes, InstructionSet set) {
+  return *CompiledSets::kernels(
+      set, [num_nodes]<InstructionSet s>() { return &compiled_axisymmetric_kernels<s>(num_nodes); });
 }
 
 const ViscousKernels& viscous_kernels(int dim, int num_nodes, InstructionSet set) {

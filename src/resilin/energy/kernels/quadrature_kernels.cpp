@@ -1,6 +1,7 @@
 // Compiled once for each instruction set: see core/simd.hpp.
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
 
+#include "resilin/energy/kernels/axisymmetric_kernels.hpp"
 #include "resilin/energy/kernels/node_counts.hpp"
 #include "resilin/energy/kernels/quadrature_group.hpp"
 
@@ -316,6 +317,143 @@ const QuadratureKernels* find(int num_nodes, std::integer_sequence<int, counts..
   return found;
 }
 
+/// Entries of the displacement gradient that nodes of axisymmetric solids make: rr, rz, zr, zz, hoop.
+constexpr int ring_entries[] = {0, 1, 3, 4, 8};
+
+/// dN_a/dX by r and z, and N_a/R, at a point of axisymmetric cells.
+template <int num_nodes>
+struct RingPoint {
+  Lanes g[num_nodes][2], h[num_nodes];
+
+  RESILIN_INLINE RingPoint(const Group<2, num_nodes>& at, std::size_t point) {
+    Lanes rows[5];
+    load_rows(
+        at.tile.inverse_jacobians + (at.block * at.tile.num_points + point) * (5 * block_size) + at.lane, 5,
+        rows);
+    const double* N = at.tile.reference_gradients + point * (3 * num_nodes);
+    for (int a = 0; a < num_nodes; ++a, N += 3) {
+      for (int k = 0; k < 2; ++k) g[a][k] = N[0] * rows[k] + N[1] * rows[2 + k];
+      h[a] = N[2] * rows[4];
+    }
+  }
+  /// Adds w P : dH/dx_a to the forces of the nodes.
+  RESILIN_INLINE void add_forces(Lanes w, const Lanes P[9], Lanes f[num_nodes][2]) const {
+    for (int a = 0; a < num_nodes; ++a) {
+      f[a][0] += w * (P[0] * g[a][0] + P[1] * g[a][1] + P[8] * h[a]);
+      f[a][1] += w * (P[3] * g[a][0] + P[4] * g[a][1]);
+    }
+  }
+};
+
+template <int num_nodes>
+void ring_gradients(const QuadratureTile& tile, const double* displacements, double* H_rows) {
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    Lanes u[num_nodes][2];
+    for (int a = 0; a < num_nodes; ++a) gather<2>(displacements, at.nodes(a), u[a]);
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      const RingPoint<num_nodes> point(at, q);
+      Lanes H[9];
+      for (Lanes& entry : H) entry = 0.0;
+      for (int a = 0; a < num_nodes; ++a) {
+        for (int i = 0; a > 0 && i < 2; ++i)
+          for (int k = 0; k < 2; ++k) H[3 * i + k] += (u[a][i] - u[0][i]) * point.g[a][k];
+        H[8] += u[a][0] * point.h[a];
+      }
+      store_rows(H, 9, H_rows + at.row(q, 9));
+    }
+  });
+}
+
+template <int num_nodes>
+void ring_forces(const QuadratureTile& tile, const double* P_rows, bool is_magnitude, const OwnedNodes& owned,
+                 double* forces) {
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    Lanes f[num_nodes][2];
+    for (auto& node_force : f)
+      for (Lanes& component : node_force) component = 0.0;
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      Lanes P[9];
+      load_rows(P_rows + at.row(q, 9), 9, P);
+      RingPoint<num_nodes>(at, q).add_forces(at.weight(q), P, f);
+    }
+    if (is_magnitude)
+      for (auto& node_force : f)
+        for (Lanes& component : node_force) component = abs(component);
+    for (int a = 0; a < num_nodes; ++a)
+      scatter_add<2>(f[a], at.nodes(a), [&](std::int32_t node) { return owns(owned, node); }, forces);
+  });
+}
+
+/// K_ab = sum_q w B_a^T A B_b over the entries that nodes make.
+template <int num_nodes>
+void ring_hessians(const QuadratureTile& tile, const double* A_rows, double* out_rows) {
+  constexpr int rows = num_pairs(num_nodes) * 4;
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    ElementHessian<2, num_nodes> K;
+    for (auto& block : K)
+      for (Lanes& entry : block) entry = 0.0;
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      const RingPoint<num_nodes> point(at, q);
+      const double* A = A_rows + at.row(q, 81);
+      const Lanes w = at.weight(q);
+      for (int b = 0; b < num_nodes; ++b) {
+        Lanes y[5][2];  // w A B_b
+        for (int row = 0; row < 5; ++row) {
+          const double* of_row = A + 9 * ring_entries[row] * block_size;
+          const auto entry = [&](int column) { return Lanes::load(of_row + column * block_size); };
+          y[row][0] = w * (entry(0) * point.g[b][0] + entry(1) * point.g[b][1] + entry(8) * point.h[b]);
+          y[row][1] = w * (entry(3) * point.g[b][0] + entry(4) * point.g[b][1]);
+        }
+        for (int a = 0; a <= b; ++a) {
+          Lanes* block = K[pair_index(num_nodes, a, b)];
+          for (int j = 0; j < 2; ++j) {
+            block[j] += point.g[a][0] * y[0][j] + point.g[a][1] * y[1][j] + point.h[a] * y[4][j];
+            block[2 + j] += point.g[a][0] * y[2][j] + point.g[a][1] * y[3][j];
+          }
+        }
+      }
+    }
+    for (int a = 0; a < num_nodes; ++a) make_symmetric<2>(K[pair_index(num_nodes, a, a)]);
+    store_rows(K[0], rows, out_rows + at.in_tile * static_cast<std::size_t>(rows * block_size) + at.lane);
+  });
+}
+
+template <int num_nodes>
+void add_ring_volume(const QuadratureTile& tile, const double* H_rows, const double* c_rows, double* K) {
+  constexpr int rows = num_pairs(num_nodes) * 4;
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    Lanes b[num_nodes][2], volume = 0.0;
+    for (auto& node : b)
+      for (Lanes& component : node) component = 0.0;
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      Lanes H[9], C[9];
+      load_rows(H_rows + at.row(q, 9), 9, H);
+      cofactor_of_F<3>(H, C);
+      volume += at.weight(q);
+      RingPoint<num_nodes>(at, q).add_forces(at.weight(q), C, b);
+    }
+    const Lanes safe = select(volume > Lanes(0.0), volume, Lanes(1.0));
+    const Lanes factor = Lanes::load(c_rows + at.in_tile * block_size + at.lane) / safe;
+    double* out = K + at.in_tile * static_cast<std::size_t>(rows * block_size) + at.lane;
+    for (int a = 0, pair = 0; a < num_nodes; ++a)
+      for (int c = a; c < num_nodes; ++c, ++pair)
+        for (int i = 0; i < 2; ++i)
+          for (int j = 0; j < 2; ++j) {
+            double* entry = out + (pair * 4 + 2 * i + j) * block_size;
+            (Lanes::load(entry) + factor * b[a][i] * b[c][j]).store(entry);
+          }
+  });
+}
+
+template <int num_nodes>
+constexpr QuadratureKernels ring_kernels = {
+    ring_gradients<num_nodes>, add_energies<2, num_nodes>, ring_forces<num_nodes>, ring_hessians<num_nodes>,
+    mean<2, num_nodes>,        add_ring_volume<num_nodes>, prefetch<2, num_nodes>, scatter<2, num_nodes>};
+
+const QuadratureKernels& kernels_of_rings(int num_nodes) {
+  return num_nodes == 3 ? ring_kernels<3> : num_nodes == 4 ? ring_kernels<4> : ring_kernels<6>;
+}
+
 const QuadratureKernels& kernels_of_cells(int dim, int num_nodes) {
   return dim == 2 ? *find<2>(num_nodes, NodeCounts<2>::type{}) : *find<3>(num_nodes, NodeCounts<3>::type{});
 }
@@ -332,5 +470,11 @@ const QuadratureKernels& compiled_quadrature_kernels(int dim, int num_nodes) {
 }
 template const QuadratureKernels& compiled_quadrature_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int,
                                                                                                       int);
+
+template <InstructionSet>
+const QuadratureKernels& compiled_axisymmetric_kernels(int num_nodes) {
+  return RESILIN_SIMD_NAMESPACE::kernels_of_rings(num_nodes);
+}
+template const QuadratureKernels& compiled_axisymmetric_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int);
 
 }  // namespace resilin

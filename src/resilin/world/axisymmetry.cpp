@@ -1,0 +1,116 @@
+#include "resilin/world/axisymmetry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
+#include "resilin/element/axisymmetric.hpp"
+
+namespace resilin {
+namespace {
+
+/// Share of the largest radius below which a node is on the axis.
+constexpr double axis_tolerance = 1e-12;
+
+double largest_radius(const VectorX& positions) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < positions.size(); i += 2) largest = std::max(largest, std::abs(positions[i]));
+  return largest;
+}
+
+[[noreturn]] void refuse(const std::string& place, const std::string& got, const std::string& cure) {
+  throw InputError(place, "nothing that axisymmetric scenes do not have", got, cure);
+}
+
+}  // namespace
+
+bool is_axisymmetric(const Description& description) {
+  return description.dimension == 2 && std::ranges::any_of(description.bodies, [](const auto& body) {
+           return has_axisymmetric_name(body.element);
+         });
+}
+
+bool is_axisymmetric(const World& world) {
+  return std::ranges::any_of(world.bodies,
+                             [](const Body& body) { return has_axisymmetric_name(body.element); });
+}
+
+void check_axisymmetry(const Description& d) {
+  if (!is_axisymmetric(d)) return;
+  if (d.gravity.x() != 0)
+    throw InputError(d.place + ": simulation.gravity", "gravity along the axis (y) in an axisymmetric scene",
+                     "a radial component of " + format_number(d.gravity.x()) + " m/s^2",
+                     "use gravity = [0, -9.81]");
+  for (const BodyDescription& body : d.bodies) {
+    if (body.rigid) refuse(body.rigid->place, "a rigid body", "hold or move a boundary with [[fix]]");
+    if (body.skin) refuse(body.skin->place, "a skin", "leave the skin out");
+    if (body.damping.stiffness != 0 || body.damping.shear_viscosity != 0 || body.damping.bulk_viscosity != 0)
+      refuse(body.place + ".damping", "stiffness-proportional or viscous damping", "use damping.mass");
+    const auto is_viscoelastic = [](const MaterialDescription& of) { return of.viscoelastic.has_value(); };
+    if (is_viscoelastic(body.material) || std::ranges::any_of(body.regions, [&](const auto& region) {
+          return is_viscoelastic(region.material);
+        }))
+      refuse(body.place + ".material", "a viscoelastic material", "leave viscoelastic out or take 3D");
+  }
+  if (!d.colliders.empty()) refuse(d.colliders.front().place, "a collider", "press with [[fix]]");
+  if (d.bodies.size() > 1 && d.contact.is_enabled)
+    refuse(d.place + ": contact", "contact between bodies", "set [contact] enabled = false");
+  if (d.contact.with_themselves) refuse(d.place + ": contact.self", "self-contact", "leave it out");
+  if (!d.ties.empty()) refuse(d.ties.front().place, "a tie", "mesh the bodies as one, with regions");
+  if (!d.sections.empty()) refuse(d.sections.front().place, "a section", "take the reaction of a [[fix]]");
+  if (!d.is_dynamic && !d.modes && d.load_control == LoadControlKind::arc_length)
+    refuse(d.place + ": simulation.load_control", "arc length", "use load_control = \"load\"");
+  for (const FixDescription& fix : d.fixes)
+    if (fix.rotate) refuse(fix.place + ".rotate", "a rotation", "torsion is not part of the model: take 3D");
+  for (const LoadDescription& load : d.loads) {
+    if (load.kind == "moment") refuse(load.place, "a moment", "take 3D");
+    if (load.kind == "force" && load.value.x() != 0)
+      throw InputError(load.place + ".value", "a force along the axis (y) in an axisymmetric scene",
+                       "a radial component", "give a traction or a pressure");
+  }
+}
+
+void check_radii(const BodyDescription& description, const VectorX& rest_positions, Index first_node) {
+  const double slack = axis_tolerance * largest_radius(rest_positions);
+  for (Eigen::Index node = first_node; node < rest_positions.size() / 2; ++node) {
+    const double r = rest_positions[2 * node];
+    if (r >= -slack) continue;
+    const std::string name =
+        description.mesh_name.empty() ? description.place + ".mesh" : description.mesh_name;
+    throw InputError(name + ": vertex " + std::to_string(node - first_node),
+                     "a radius r >= 0: the mesh crosses the axis", format_number(r),
+                     "x is the radius: move the body with translate, or mesh the half section alone");
+  }
+}
+
+void fix_axis(World& world) {
+  if (!is_axisymmetric(world)) return;
+  const double slack = axis_tolerance * largest_radius(world.rest_positions);
+  Index count = 0;
+  for (Index node = 0; node < world.num_nodes(); ++node) {
+    const Eigen::Index i = 2 * Eigen::Index{node};
+    if (world.rest_positions[i] > slack) continue;
+    ++count;
+    world.is_fixed[static_cast<std::size_t>(i)] = 1;
+  }
+  if (count > 0)
+    world.notes.push_back(world.place + ": u_r = 0 at " + std::to_string(count) + " nodes on the axis");
+}
+
+void check_is_held_along_axis(const World& world) {
+  std::vector<HeldDirection> directions;
+  for (const auto& term : world.terms) term->add_held_directions(world.start_positions, directions);
+  if (!directions.empty() || world.constraints) return;
+  for (const Body& body : world.bodies) {
+    bool is_held = false;
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+      is_held = is_held || world.support_of[2 * static_cast<std::size_t>(node) + 1] >= 0;
+    if (!is_held)
+      throw InputError(world.place, "body \"" + body.name +
+                                        "\" is not constrained: it can move along the axis in a static "
+                                        "analysis; prescribe the y component of a vertex ([[fix]])");
+  }
+}
+
+}  // namespace resilin
