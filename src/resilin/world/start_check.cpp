@@ -214,9 +214,9 @@ std::vector<std::string> starts_without_volume(const World& world) {
 }
 
 std::vector<std::string> starts_pushed_off(const World& world) {
-  constexpr double many_times = 10;  // what a body at rest on others never feels
+  constexpr double many_times = 10;  // a body at rest on others never feels that much
   const std::size_t num_bodies = world.bodies.size();
-  std::vector<Vector3> pushes(num_bodies, Vector3::Zero());  // of all contact on each body [N] ...
+  std::vector<Vector3> pushes(num_bodies, Vector3::Zero());  // sum of all contact on each body [N] ...
   std::vector<double> most(num_bodies, 0.0);                 // ... the most that one of them adds ...
   std::vector<std::string> from(num_bodies);                 // ... and which
   for (std::size_t t = 0; t < world.origins.size(); ++t) {
@@ -239,7 +239,7 @@ std::vector<std::string> starts_pushed_off(const World& world) {
   for (std::size_t b = 0; b < num_bodies; ++b) {
     int axis = 0;
     const double along = pushes[b].cwiseAbs().maxCoeff(&axis);
-    constexpr double rounding = 1e-9;  // what opposite pushes leave
+    constexpr double rounding = 1e-9;  // opposite pushes leave that much
     if (!(along > std::max(many_times * loads[b], rounding * most[b]))) continue;
     if (!is_free_along(world, world.bodies[b], axis)) continue;
     if (!world.is_dynamic && loads[b] == 0) continue;  // a prescribed motion decides where it goes
