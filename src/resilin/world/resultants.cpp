@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <memory>
+#include <numbers>
 
 #include "resilin/core/text.hpp"
 #include "resilin/energy/dead_load.hpp"
@@ -10,6 +11,7 @@
 #include "resilin/energy/pressure.hpp"
 #include "resilin/energy/spread_force.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/facet_faces.hpp"
 #include "resilin/world/selection.hpp"
 
@@ -91,16 +93,20 @@ void measure(const World& world, const Site& site, Resultant& result) {
   const int dim = world.dimension;
   const VectorX& X = world.rest_positions;
   result.num_nodes = static_cast<Index>(site.nodes.size());
+  result.is_turned = is_axisymmetric(world);
   if (site.facets != nullptr && site.facets->num_cells() > 0) {
     const CellBlock& facets = *site.facets;
     result.num_facets = facets.num_cells();
     for (Index facet = 0; facet < facets.num_cells(); ++facet) {
       const std::span<const Index> nodes = facets.cell(facet);
       for (const FacetPoint& point : facet_points(facets.kind)) {
-        const double area = point.weight * area_vector(dim, point, nodes, X).norm();
-        result.area += area;
+        Vector3 place = Vector3::Zero();
         for (std::size_t a = 0; a < nodes.size(); ++a)
-          result.center += area * point.values[a] * node_position(dim, nodes[a], X);
+          place += point.values[a] * node_position(dim, nodes[a], X);
+        const double turn = result.is_turned ? 2 * std::numbers::pi * place.x() : 1;
+        const double area = turn * point.weight * area_vector(dim, point, nodes, X).norm();
+        result.area += area;
+        result.center += area * place;
       }
     }
     result.center /= result.area;
@@ -191,7 +197,7 @@ std::string describe(const Resultant& on, int dim) {
   const std::string nodes = std::to_string(on.num_nodes) + (on.num_nodes == 1 ? " node" : " nodes");
   if (on.num_facets > 0) {
     text += "on " + std::to_string(on.num_facets) + (on.num_facets == 1 ? " facet (" : " facets (") + nodes +
-            ", " + format_short(on.area) + (dim == 2 ? " m" : " m^2") + ")";
+            ", " + format_short(on.area) + (dim == 2 && !on.is_turned ? " m" : " m^2") + ")";
   } else {
     text += "on " + nodes;
   }
