@@ -59,7 +59,8 @@ class Series {
   void add(const std::string& name, const Json& value, std::size_t frame) {
     if (value.is_number()) return set(name, frame, value.get<double>());
     if (value.is_object()) {
-      for (const auto& [key, part] : value.items()) add(name + "." + key, part, frame);
+      for (const auto& [key, part] : value.items())
+        add(std::string(name).append(".").append(key), part, frame);
       return;
     }
     const auto is_number = [](const Json& part) { return part.is_number(); };
@@ -89,9 +90,9 @@ class Series {
       std::string name = "contact";
       if (!contact.contains("bodies") || !contact["bodies"].is_array()) continue;
       for (const Json& body : contact["bodies"])
-        if (body.is_string()) name += "." + body.get<std::string>();
+        if (body.is_string()) name.append(".").append(body.get<std::string>());
       for (const auto& [key, value] : contact.items())
-        if (key != "bodies") add(name + "." + key, value, number);
+        if (key != "bodies") add(std::string(name).append(".").append(key), value, number);
     }
   }
 

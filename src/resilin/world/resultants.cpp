@@ -162,7 +162,7 @@ std::vector<Resultant> load_resultants(const World& world) {
       }
       add_forces(world, forces, result);
       const double size = forces.norm();
-      result.force = cleaned(*result.force, size);
+      result.force = cleaned(result.force.value_or(Vector3::Zero()), size);
       result.moment = cleaned(result.moment, size * world.largest_extent());
     }
     result.center += world.origin;
