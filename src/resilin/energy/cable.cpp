@@ -6,8 +6,7 @@
 namespace resilin {
 
 Vector3 CarriedPoint::at(int dim, const VectorX& x) const {
-  if (nodes.empty()) return place;
-  Vector3 sum = Vector3::Zero();
+  Vector3 sum = place;
   for (const auto& [node, weight] : nodes) sum += weight * node_position(dim, node, x);
   return sum;
 }

@@ -11,8 +11,9 @@ namespace resilin {
 /// A point that nodes carry, or one of the ground.
 struct CarriedPoint {
   std::vector<WeightedNode> nodes{};  ///< weights sum to one; empty: the ground
-  Vector3 place = Vector3::Zero();    ///< place on the ground [m]
+  Vector3 place = Vector3::Zero();    ///< place on the ground, zero for a point that nodes carry [m]
 
+  /// The place plus the weighted sum of node positions [m].
   Vector3 at(int dim, const VectorX& x) const;
 };
 

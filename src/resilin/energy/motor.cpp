@@ -29,14 +29,8 @@ CarriedPoint Motor::gap_at(const Conditions& c) const {
   return sum;
 }
 
-Vector3 Motor::gap(const CarriedPoint& of, const VectorX& x) const {
-  Vector3 sum = of.place;
-  for (const auto& [node, weight] : of.nodes) sum += weight * node_position(dim_, node, x);
-  return sum;
-}
-
 double Motor::value(const VectorX& x, const Conditions& c) const {
-  return 0.5 * factor_ * gap(gap_at(c), x).squaredNorm();
+  return 0.5 * factor_ * gap_at(c).at(dim_, x).squaredNorm();
 }
 
 double Motor::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
@@ -44,12 +38,12 @@ double Motor::difference(const VectorX& from, const VectorX& to, const Condition
   Vector3 way = Vector3::Zero();
   for (const auto& [node, weight] : of.nodes)
     way += weight * (node_position(dim_, node, to) - node_position(dim_, node, from));
-  return 0.5 * factor_ * way.dot(gap(of, from) + gap(of, to));
+  return 0.5 * factor_ * way.dot(of.at(dim_, from) + of.at(dim_, to));
 }
 
 void Motor::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   const CarriedPoint of = gap_at(c);
-  const Vector3 force = factor_ * gap(of, x);
+  const Vector3 force = factor_ * of.at(dim_, x);
   for (const auto& [node, weight] : of.nodes)
     gradient.segment(Eigen::Index{node} * dim_, dim_) += weight * force.head(dim_);
 }

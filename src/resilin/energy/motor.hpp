@@ -41,7 +41,6 @@ class Motor final : public BasicEnergy {
  private:
   /// The gap as a sum of weights times nodes, and a part of the ground.
   CarriedPoint gap_at(const Conditions& c) const;
-  Vector3 gap(const CarriedPoint& of, const VectorX& x) const;
 
   std::string name_;
   int dim_;

@@ -180,8 +180,7 @@ Joint make_joint(const JointDescription& description, World& world) {
   return joint;
 }
 
-std::shared_ptr<Energy> make_joint_term(const JointDescription& description, const World& world,
-                                        Joint& joint) {
+std::shared_ptr<Energy> make_joint_term(const JointDescription& description, World& world, Joint& joint) {
   const int dim = world.dimension;
   const std::vector<const Body*> bodies = bodies_of(description, world);
   const double modulus = modulus_of_joint(bodies), extent = extent_of_joint(world, bodies);
@@ -191,12 +190,7 @@ std::shared_ptr<Energy> make_joint_term(const JointDescription& description, con
     if (!(length > 0))
       throw InputError(description.place + ".to", "another point than `at`", "the same",
                        "take kind = \"ball\" for points that stay together");
-    CarriedPoint second{.nodes = {}, .place = to};
-    if (bodies[1] != nullptr) {
-      const VectorX weights = bodies[1]->rigid->weights(to);
-      for (Eigen::Index a = 0; a < weights.size(); ++a)
-        second.nodes.push_back({bodies[1]->first_node + static_cast<Index>(a), weights[a]});
-    }
+    const CarriedPoint second = carried(world, bodies[1], to, description.place + ".to");
     const double stiffness = modulus * (dim == 3 ? extent : 1);
     auto term = std::make_shared<Cable>(description.name, dim, std::vector<CarriedPoint>{joint.at, second},
                                         Cable::Law{.stiffness = stiffness, .rest_length = length});
