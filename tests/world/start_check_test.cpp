@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "every_element.hpp"
 #include "small_scenes.hpp"
@@ -345,6 +346,72 @@ TEST(Contact, IsWarnedOfWhenItPushesABodyOffAtTheStart) {
         scene.colliders.push_back(floor);
         EXPECT_THAT(warnings_of(scene), Not(HasSubstr("starts inside"))) << "pushed from both sides";
       }
+}
+
+/// Sum of the sizes of all contact forces at the start, and of gravity's [N].
+std::pair<double, double> contact_and_weight(const World& world) {
+  VectorX contact = VectorX::Zero(world.start_positions.size()), weight = contact;
+  for (std::size_t t = 0; t < world.origins.size(); ++t) {
+    const TermOrigin::Kind kind = world.origins[t].kind;
+    if (kind == TermOrigin::Kind::collider || kind == TermOrigin::Kind::contact)
+      world.terms[t]->add_gradient(world.start_positions, {}, contact);
+    if (kind == TermOrigin::Kind::gravity) world.terms[t]->add_gradient(world.start_positions, {}, weight);
+  }
+  return {contact.lpNorm<1>(), weight.lpNorm<1>()};
+}
+
+/// A bar in free fall or guided down, a gap above a half-space, a box or another bar.
+Description bar_above(const std::string& under, double gap, int dimension, bool is_dynamic) {
+  Description scene = small_bar(dimension, is_dynamic);
+  scene.gravity = {0, -9.81, 0};
+  scene.fixes[0].components = {true, false, true};
+  if (under == "bar") {
+    BodyDescription base = scene.bodies[0];
+    base.name = "base";
+    base.translate = {0, -0.25 - gap, 0};
+    scene.bodies.push_back(base);
+    FixDescription held = scene.fixes[0];
+    held.place = held.name = "held";
+    held.body = "base";
+    held.where = {};
+    held.components = {true, true, true};
+    scene.fixes[0].body = scene.bodies[0].name;
+    scene.fixes.push_back(held);
+    return scene;
+  }
+  ColliderDescription floor;
+  floor.name = "floor";
+  floor.kind = under;
+  floor.shape.point = {0, -gap, 0};
+  floor.shape.normal = {0, 1, 0};
+  floor.shape.center = {0.5, -0.5 - gap, 0.125};
+  floor.shape.size = {4, 1, 4};
+  scene.colliders = {floor};
+  return scene;
+}
+
+TEST(Contact, HasByDefaultAnActivationDistanceThatFollowsASmallGap) {
+  for (const int dimension : {2, 3})
+    for (const bool is_dynamic : {false, true})
+      for (const std::string under : {"half_space", "box", "bar"})
+        for (const double gap : {3e-5, 2e-4, 9e-4, 0.00124}) {
+          SCOPED_TRACE(under + " at " + std::to_string(gap) + (is_dynamic ? " in motion" : ""));
+          const World world(bar_above(under, gap, dimension, is_dynamic));
+          EXPECT_THAT(joined(world.warnings), Not(HasSubstr("starts inside")));
+          const auto [push, weight] = contact_and_weight(world);
+          const bool is_noted = joined(world.notes).find("activation distance of") != std::string::npos;
+          if (is_dynamic && is_noted) {
+            EXPECT_EQ(push, 0);
+          } else {
+            EXPECT_LT(push, 20 * weight) << "both bodies feel it";
+          }
+          if (!is_dynamic) {
+            EXPECT_GT(push, 0) << "contact alone holds it";
+          }
+          if (gap < 5e-4) {
+            EXPECT_TRUE(is_noted);
+          }
+        }
 }
 
 TEST(Probe, IsWarnedOfWhenNoVertexIsNear) {

@@ -213,45 +213,62 @@ std::vector<std::string> starts_without_volume(const World& world) {
   return found;
 }
 
-std::vector<std::string> starts_pushed_off(const World& world) {
+std::vector<PushedBody> pushed_bodies(const World& world) {
   constexpr double many_times = 10;  // a body at rest on others never feels that much
   const std::size_t num_bodies = world.bodies.size();
   std::vector<Vector3> pushes(num_bodies, Vector3::Zero());  // sum of all contact on each body [N] ...
   std::vector<double> most(num_bodies, 0.0);                 // ... the most that one of them adds ...
-  std::vector<std::string> from(num_bodies);                 // ... and which
+  std::vector<PushedBody> found(num_bodies, PushedBody{});   // ... and which they are
+  bool is_any_pushed = false;
   for (std::size_t t = 0; t < world.origins.size(); ++t) {
-    const bool is_collider = world.origins[t].kind == TermOrigin::Kind::collider;
-    if (!is_collider && world.origins[t].kind != TermOrigin::Kind::contact) continue;
+    const TermOrigin::Kind kind = world.origins[t].kind;
+    if (kind != TermOrigin::Kind::collider && kind != TermOrigin::Kind::contact) continue;
     VectorX gradient = VectorX::Zero(world.start_positions.size());
     world.terms[t]->add_gradient(world.start_positions, {}, gradient);
     if (gradient.isZero(0)) continue;
+    is_any_pushed = true;
     for (std::size_t b = 0; b < num_bodies; ++b) {
       const Vector3 push = -total(world, world.bodies[b], gradient);
+      if (push.isZero(0)) continue;
       pushes[b] += push;
+      found[b].terms.push_back(t);
       if (!(push.norm() > most[b])) continue;
       most[b] = push.norm();
-      from[b] = is_collider ? '"' + std::string(world.terms[t]->name()) + '"' : "another body";
+      found[b].strongest = t;
     }
   }
-  std::vector<std::string> found;
-  if (std::ranges::all_of(from, &std::string::empty)) return found;
+  if (!is_any_pushed) return {};
   const std::vector<double> loads = largest_loads(world);
   for (std::size_t b = 0; b < num_bodies; ++b) {
+    found[b].body = b;
+    found[b].push = pushes[b].norm();
+    found[b].load = loads[b];
+  }
+  std::erase_if(found, [&](const PushedBody& each) {
     int axis = 0;
-    const double along = pushes[b].cwiseAbs().maxCoeff(&axis);
+    const double along = pushes[each.body].cwiseAbs().maxCoeff(&axis);
     constexpr double rounding = 1e-9;  // opposite pushes leave that much
-    if (!(along > std::max(many_times * loads[b], rounding * most[b]))) continue;
-    if (!is_free_along(world, world.bodies[b], axis)) continue;
-    if (!world.is_dynamic && loads[b] == 0) continue;  // a prescribed motion decides where it goes
-    const double push = pushes[b].norm();
-    found.push_back(world.place + ": \"" + world.bodies[b].name +
-                    "\" starts inside the activation distance of " + from[b] +
-                    ": contact pushes it away with " + format_short(push) + " N" +
-                    (loads[b] > 0 ? ", " + format_short(push / loads[b]) + " times its load" : "") +
+    if (!(along > std::max(many_times * each.load, rounding * most[each.body]))) return true;
+    if (!is_free_along(world, world.bodies[each.body], axis)) return true;
+    return !world.is_dynamic && each.load == 0;  // a prescribed motion decides where it goes
+  });
+  return found;
+}
+
+std::vector<std::string> starts_pushed_off(const World& world) {
+  std::vector<std::string> lines;
+  for (const PushedBody& each : pushed_bodies(world)) {
+    const bool by_collider = world.origins[each.strongest].kind == TermOrigin::Kind::collider;
+    const std::string from =
+        by_collider ? '"' + std::string(world.terms[each.strongest]->name()) + '"' : "another body";
+    lines.push_back(world.place + ": \"" + world.bodies[each.body].name +
+                    "\" starts inside the activation distance of " + from + ": contact pushes it away with " +
+                    format_short(each.push) + " N" +
+                    (each.load > 0 ? ", " + format_short(each.push / each.load) + " times its load" : "") +
                     "; start it farther away, or set activation_distance to " +
                     (world.is_dynamic ? "less than the gap" : "little more than the gap"));
   }
-  return found;
+  return lines;
 }
 
 bool is_idle(const World& world) {

@@ -11,9 +11,19 @@ void check_start(const Description& description, const World& world);
 /// Bodies that start with cells of no volume, where the Cauchy stress has no value; one line each.
 std::vector<std::string> starts_without_volume(const World& world);
 
-/// Bodies that start so far inside the activation distance of a collider or of another body that contact
-/// pushes them away with many times what acts on them, along an axis in which nothing holds them; one line
-/// each. The world is complete.
+/// A body that starts so far inside the activation distance of others that contact pushes it away with many
+/// times what acts on it, along an axis in which nothing holds it.
+struct PushedBody {
+  std::size_t body;
+  std::vector<std::size_t> terms;  ///< numbers of the contact terms that push it
+  std::size_t strongest;           ///< number of the one that pushes most
+  double push;                     ///< [N]
+  double load;                     ///< the most that loads and gravity add up to [N]
+};
+/// Terms of contact and loads are complete, and so are the fixed unknowns.
+std::vector<PushedBody> pushed_bodies(const World& world);
+
+/// One line for each pushed body.
 std::vector<std::string> starts_pushed_off(const World& world);
 
 /// Whether nothing ever acts: no force on a free vertex, no velocity at the start, no support or collider

@@ -31,6 +31,7 @@
 #include "resilin/world/scene_origin.hpp"
 #include "resilin/world/selection.hpp"
 #include "resilin/world/start_check.hpp"
+#include "resilin/world/start_distance.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -126,6 +127,8 @@ class Builder {
   void build_pattern();
   void add_masses();
   void find_fixed_unknowns();
+  void add_contact();
+  void add_contact_terms(const ContactWishes& wishes);
   void find_oddities();
 
   const Description& description_;  ///< in the world's coordinates
@@ -175,23 +178,13 @@ void Builder::build() {
   note_origin({Kind::gravity});
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     check_contact_skin(world_.bodies[b], world_, description_.bodies[b].place);
-  for (std::size_t i = 0; i < description_.colliders.size(); ++i) {
-    add_collider(description_.colliders[i], world_, part_ == nullptr ? nullptr : &part_->colliders[i]);
-    note_origin({Kind::collider, i});
-  }
-  const ContactDescription contact = contact_beside_ties(description_);
-  world_.contact = make_contact(contact, world_);
-  if (world_.contact) world_.terms.push_back(world_.contact);
-  note_origin({Kind::contact});
-  world_.friction = make_friction(contact, world_);
-  if (world_.friction) world_.terms.push_back(world_.friction);
-  note_origin({Kind::friction});
+  find_fixed_unknowns();
+  add_contact();
   if (world_.is_dynamic) {
     world_.terms.push_back(std::make_shared<Inertia>(world_.mass));
     note_origin({Kind::inertia});
     add_damping(description_, world_);
   }
-  find_fixed_unknowns();
   find_events(description_, world_);
   if (part_ != nullptr) return;  // the whole has been checked
   if (world_.modes) check_modes(description_, *world_.modes, world_);
@@ -392,6 +385,34 @@ void Builder::add_masses() {
   }
   for (const Body& body : world_.bodies) add_body_masses(mass, body, world_.rest_positions, 1);
   world_.mass = std::make_shared<const MassMatrix>(std::move(mass));
+}
+
+/// Colliders, contact between bodies and friction.
+void Builder::add_contact() {
+  ContactWishes wishes{description_.colliders, contact_beside_ties(description_)};
+  const std::size_t num_terms = world_.terms.size(), num_warnings = world_.warnings.size();
+  add_contact_terms(wishes);
+  if (part_ != nullptr || world_.modes || !shorten_activation_distances(wishes, world_)) return;
+  world_.terms.resize(num_terms);
+  world_.origins.resize(num_terms);
+  world_.warnings.resize(num_warnings);
+  world_.colliders.clear();
+  world_.mesh_colliders.clear();
+  add_contact_terms(wishes);
+}
+
+void Builder::add_contact_terms(const ContactWishes& wishes) {
+  using Kind = TermOrigin::Kind;
+  for (std::size_t i = 0; i < wishes.colliders.size(); ++i) {
+    add_collider(wishes.colliders[i], world_, part_ == nullptr ? nullptr : &part_->colliders[i]);
+    note_origin({Kind::collider, i});
+  }
+  world_.contact = make_contact(wishes.contact, world_);
+  if (world_.contact) world_.terms.push_back(world_.contact);
+  note_origin({Kind::contact});
+  world_.friction = make_friction(wishes.contact, world_);
+  if (world_.friction) world_.terms.push_back(world_.friction);
+  note_origin({Kind::friction});
 }
 
 void Builder::find_fixed_unknowns() {
