@@ -375,7 +375,7 @@ Description bar_above(const std::string& under, double gap, int dimension, bool 
     held.body = "base";
     held.where = {};
     held.components = {true, true, true};
-    scene.fixes[0].body = scene.bodies[0].name;
+    scene.fixes[0].body = scene.probes[0].body = scene.bodies[0].name;
     scene.fixes.push_back(held);
     return scene;
   }
@@ -384,8 +384,8 @@ Description bar_above(const std::string& under, double gap, int dimension, bool 
   floor.kind = under;
   floor.shape.point = {0, -gap, 0};
   floor.shape.normal = {0, 1, 0};
-  floor.shape.center = {0.5, -0.5 - gap, 0.125};
-  floor.shape.size = {4, 1, 4};
+  floor.shape.center = {0.5, -0.5 - gap, dimension == 3 ? 0.125 : 0};
+  floor.shape.size = {4, 1, dimension == 3 ? 4.0 : 0.0};
   scene.colliders = {floor};
   return scene;
 }
@@ -394,19 +394,17 @@ TEST(Contact, HasByDefaultAnActivationDistanceThatFollowsASmallGap) {
   for (const int dimension : {2, 3})
     for (const bool is_dynamic : {false, true})
       for (const std::string under : {"half_space", "box", "bar"})
-        for (const double gap : {3e-5, 2e-4, 9e-4, 0.00124}) {
+        for (const double gap : {6e-5, 2e-4, 9e-4, 0.00124}) {
           SCOPED_TRACE(under + " at " + std::to_string(gap) + (is_dynamic ? " in motion" : ""));
           const World world(bar_above(under, gap, dimension, is_dynamic));
           EXPECT_THAT(joined(world.warnings), Not(HasSubstr("starts inside")));
           const auto [push, weight] = contact_and_weight(world);
           const bool is_noted = joined(world.notes).find("activation distance of") != std::string::npos;
-          if (is_dynamic && is_noted) {
-            EXPECT_EQ(push, 0);
-          } else {
-            EXPECT_LT(push, 20 * weight) << "both bodies feel it";
+          if (is_noted) {
+            EXPECT_LT(push, 10 * weight);
           }
           if (!is_dynamic) {
-            EXPECT_GT(push, 0) << "contact alone holds it";
+            EXPECT_GT(push, 0.5 * weight) << "contact alone holds it";
           }
           if (gap < 5e-4) {
             EXPECT_TRUE(is_noted);

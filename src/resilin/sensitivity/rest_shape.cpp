@@ -95,6 +95,7 @@ class Search {
       throw InputError(description_.place + ": stress-free shape", "contact without friction", "friction",
                        "with friction an equilibrium depends on its history, which is unknown: leave it out");
     keep_elements(description_, drawn);
+    keep_distances(drawn);
     names_ = rest_names(drawn);
     draw();
     size_ = drawn_->largest_extent();
@@ -117,6 +118,22 @@ class Search {
       target_.rest.push_back(parameters_.back().value);
     }
     target_.deformed = places_moved(drawn_->rest_positions, drawn_->origin, drawn_->dimension);
+  }
+
+  /// The distances of the drawn shape, which starts where the shape found ends.
+  void keep_distances(const World& drawn) {
+    for (const auto& [origin, distance] : drawn.shorter_distances) {
+      if (origin.kind == TermOrigin::Kind::collider) {
+        ColliderDescription& collider = description_.colliders[origin.number];
+        collider.activation_distance = distance;
+        kept_off_.emplace_back(collider.name, distance);
+        continue;
+      }
+      description_.contact.activation_distance = distance;
+      warnings_.push_back(description_.place +
+                          ": stress-free shape: it is for contact.activation_distance = " +
+                          format_number(distance) + ", of the bodies as drawn");
+    }
   }
 
   bool goes_on(const RestShapeProgress& progress) const {

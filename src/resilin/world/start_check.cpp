@@ -213,8 +213,7 @@ std::vector<std::string> starts_without_volume(const World& world) {
   return found;
 }
 
-std::vector<PushedBody> pushed_bodies(const World& world) {
-  constexpr double many_times = 10;  // a body at rest on others never feels that much
+std::vector<PushedBody> pushed_bodies(const World& world, double times) {
   const std::size_t num_bodies = world.bodies.size();
   std::vector<Vector3> pushes(num_bodies, Vector3::Zero());  // sum of all contact on each body [N] ...
   std::vector<double> most(num_bodies, 0.0);                 // ... the most that one of them adds ...
@@ -248,7 +247,7 @@ std::vector<PushedBody> pushed_bodies(const World& world) {
     int axis = 0;
     const double along = pushes[each.body].cwiseAbs().maxCoeff(&axis);
     constexpr double rounding = 1e-9;  // opposite pushes leave that much
-    if (!(along > std::max(many_times * each.load, rounding * most[each.body]))) return true;
+    if (!(along > std::max(times * each.load, rounding * most[each.body]))) return true;
     if (!is_free_along(world, world.bodies[each.body], axis)) return true;
     return !world.is_dynamic && each.load == 0;  // a prescribed motion decides where it goes
   });
@@ -256,8 +255,9 @@ std::vector<PushedBody> pushed_bodies(const World& world) {
 }
 
 std::vector<std::string> starts_pushed_off(const World& world) {
+  constexpr double many_times = 10;  // a body at rest on others never feels that much
   std::vector<std::string> lines;
-  for (const PushedBody& each : pushed_bodies(world)) {
+  for (const PushedBody& each : pushed_bodies(world, many_times)) {
     const bool by_collider = world.origins[each.strongest].kind == TermOrigin::Kind::collider;
     const std::string from =
         by_collider ? '"' + std::string(world.terms[each.strongest]->name()) + '"' : "another body";

@@ -11,8 +11,8 @@ void check_start(const Description& description, const World& world);
 /// Bodies that start with cells of no volume, where the Cauchy stress has no value; one line each.
 std::vector<std::string> starts_without_volume(const World& world);
 
-/// A body that starts so far inside the activation distance of others that contact pushes it away with many
-/// times what acts on it, along an axis in which nothing holds it.
+/// A body that starts so far inside the activation distance of others that contact pushes it away with more
+/// than what acts on it, along an axis in which nothing holds it.
 struct PushedBody {
   std::size_t body;
   std::vector<std::size_t> terms;  ///< numbers of the contact terms that push it
@@ -21,7 +21,8 @@ struct PushedBody {
   double load;                     ///< the most that loads and gravity add up to [N]
 };
 /// Terms of contact and loads are complete, and so are the fixed unknowns.
-std::vector<PushedBody> pushed_bodies(const World& world);
+/// @param times  of its load that contact has to push with
+std::vector<PushedBody> pushed_bodies(const World& world, double times);
 
 /// One line for each pushed body.
 std::vector<std::string> starts_pushed_off(const World& world);

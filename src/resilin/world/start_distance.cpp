@@ -1,8 +1,10 @@
 #include "resilin/world/start_distance.hpp"
 
 #include <algorithm>
-#include <set>
+#include <cmath>
+#include <map>
 
+#include "resilin/contact/barrier.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/start_check.hpp"
@@ -10,9 +12,26 @@
 namespace resilin {
 namespace {
 
-constexpr double share_in_motion = 0.95;   ///< of the gap: no force at the start
-constexpr double share_in_statics = 1.05;  ///< of the gap: a body that contact alone holds feels it
-constexpr double least_share = 0.01;       ///< of the default distance
+constexpr double most_loads = 2;      ///< of its load may push a body off where it starts
+constexpr double least_share = 0.01;  ///< of the default distance
+
+/// Share of the activation distance at which the barrier has `share` of the slope that it has at `from`.
+double relative_gap_of_slope(double share, double from) {
+  constexpr ClampedLogBarrier barrier{.activation_distance = 1};
+  const double wanted = share * barrier.slope(from);
+  double low = from, high = 1;
+  for (double middle = 0.5 * (low + high); low < middle && middle < high; middle = 0.5 * (low + high))
+    (barrier.slope(middle) < wanted ? low : high) = middle;
+  return high;
+}
+
+/// The next power of 1.1 [m], up or down. It does not change with the numbers of a scene but by jumps: their
+/// derivatives need not know of it.
+double rung(double distance, bool is_up) {
+  constexpr double ratio = 1.1;
+  const double exponent = std::log(distance) / std::log(ratio);
+  return std::pow(ratio, is_up ? std::ceil(exponent) : std::floor(exponent));
+}
 
 std::optional<double>& distance_of(const TermOrigin& origin, ContactWishes& wishes) {
   return origin.kind == TermOrigin::Kind::collider ? wishes.colliders[origin.number].activation_distance
@@ -32,22 +51,27 @@ double relative_gap(const World& world, const Energy& term) {
 }  // namespace
 
 bool shorten_activation_distances(ContactWishes& wishes, World& world) {
-  std::set<std::size_t> pushing;
-  for (const PushedBody& each : pushed_bodies(world)) pushing.insert(each.terms.begin(), each.terms.end());
+  std::map<std::size_t, double> wanted_shares;  // by number of the term: of its force
+  for (const PushedBody& each : pushed_bodies(world, most_loads))
+    for (const std::size_t t : each.terms) {
+      double& share = wanted_shares.try_emplace(t, 1.0).first->second;
+      share = std::min(share, each.load / each.push);
+    }
   bool is_any_shorter = false;
-  for (const std::size_t t : pushing) {
+  for (const auto& [t, share] : wanted_shares) {
     const TermOrigin& origin = world.origins[t];
     std::optional<double>& distance = distance_of(origin, wishes);
     if (distance) continue;
     const bool is_collider = origin.kind == TermOrigin::Kind::collider;
     const double present =
         is_collider ? default_activation_distance(world) : world.contact->activation_distance();
-    const double gap = present * relative_gap(world, *world.terms[t]);
-    const double wanted = gap * (world.is_dynamic ? share_in_motion : share_in_statics);
-    const double shorter = std::max(wanted, least_share * present);
+    const double relative = relative_gap(world, *world.terms[t]), gap = present * relative;
+    const double wanted = gap / relative_gap_of_slope(share, relative);
+    const double shorter = std::max(rung(wanted, !world.is_dynamic), least_share * present);
     if (!(shorter < present)) continue;
     distance = shorter;
     is_any_shorter = true;
+    world.shorter_distances.emplace_back(origin, shorter);
     world.notes.push_back(world.place + ": activation distance of " +
                           (is_collider ? '"' + wishes.colliders[origin.number].name + '"' : "bodies") + ": " +
                           format_short(shorter) + " m, not " + format_short(present) +

@@ -157,6 +157,8 @@ class World {
   std::vector<std::int32_t> support_of;  ///< per DOF: index of its boundary condition; -1: none
   /// Ties and linear constraints, whose dependent DOFs are among the fixed ones; null without any.
   std::shared_ptr<const LinearConstraints> constraints;
+  /// Activation distances that were chosen shorter than the default, by contact term [m].
+  std::vector<std::pair<TermOrigin, double>> shorter_distances;
   std::vector<Joint> joints;
   std::vector<std::shared_ptr<const Cable>> cables;  ///< springs, then cables
   /// The unknowns that follow from others by these; null: none.
