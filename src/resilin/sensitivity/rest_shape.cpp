@@ -15,6 +15,7 @@
 #include "resilin/simulation/simulation.hpp"
 #include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/constraints.hpp"
+#include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -95,7 +96,7 @@ class Search {
       throw InputError(description_.place + ": stress-free shape", "contact without friction", "friction",
                        "with friction an equilibrium depends on its history, which is unknown: leave it out");
     keep_elements(description_, drawn);
-    keep_distances(drawn);
+    keep_distances(drawn, false);
     names_ = rest_names(drawn);
     draw();
     size_ = drawn_->largest_extent();
@@ -120,10 +121,13 @@ class Search {
     target_.deformed = places_moved(drawn_->rest_positions, drawn_->origin, drawn_->dimension);
   }
 
-  /// The distances of the drawn shape, which starts where the shape found ends.
-  void keep_distances(const World& drawn) {
-    for (const auto& [origin, distance] : drawn.shorter_distances) {
-      if (origin.kind == TermOrigin::Kind::collider) {
+  /// Activation distances that follow the start of a run: those of the drawn shape stay, and the shape found
+  /// has the default that it was found with.
+  void keep_distances(const World& starts, bool is_found) {
+    for (const auto& [origin, shorter] : starts.shorter_distances) {
+      const bool is_collider = origin.kind == TermOrigin::Kind::collider;
+      const double distance = is_found ? default_activation_distance(starts) : shorter;
+      if (is_collider) {
         ColliderDescription& collider = description_.colliders[origin.number];
         collider.activation_distance = distance;
         kept_off_.emplace_back(collider.name, distance);
@@ -341,6 +345,7 @@ class Search {
     check_is_stable(unstable_modes_);
     const RestAndDeformed shape = lifted(found);
     const std::string in_the_way = what_is_in_the_way(shape);
+    if (in_the_way.empty()) keep_distances(World{with_rest(description_, parameters_, shape.rest)}, true);
     RestShape result;
     result.scene =
         with_rest(description_, parameters_, shape.rest, in_the_way.empty() ? nullptr : &target_.rest);

@@ -228,9 +228,13 @@ void change_contact(World& world, const ContactDescription& description) {
     changed.terms.insert(changed.terms.begin() + static_cast<std::ptrdiff_t>(changed.origins.size()), term);
     changed.origins.push_back({kind});
   };
-  changed.contact = make_contact(description, changed);
+  ContactDescription wished = description;
+  for (const auto& [origin, distance] : world.shorter_distances)
+    if (origin.kind == TermOrigin::Kind::contact && !wished.activation_distance)
+      wished.activation_distance = distance;
+  changed.contact = make_contact(wished, changed);
   add(changed.contact, TermOrigin::Kind::contact);
-  changed.friction = make_friction(description, changed);
+  changed.friction = make_friction(wished, changed);
   add(changed.friction, TermOrigin::Kind::friction);
   changed.warnings = world.warnings;
   changed.made_from.reset();

@@ -25,12 +25,12 @@ double relative_gap_of_slope(double share, double from) {
   return high;
 }
 
-/// The next power of 1.1 [m], up or down. It does not change with the numbers of a scene but by jumps: their
-/// derivatives need not know of it.
-double rung(double distance, bool is_up) {
+/// A power of 1.1 [m]: the nearest one, or the next one above. It does not change with the numbers of a scene
+/// but by jumps: their derivatives need not know of it.
+double rung(double distance, bool is_above) {
   constexpr double ratio = 1.1;
   const double exponent = std::log(distance) / std::log(ratio);
-  return std::pow(ratio, is_up ? std::ceil(exponent) : std::floor(exponent));
+  return std::pow(ratio, is_above ? std::ceil(exponent) : std::round(exponent));
 }
 
 std::optional<double>& distance_of(const TermOrigin& origin, ContactWishes& wishes) {
