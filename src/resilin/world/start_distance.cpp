@@ -12,8 +12,8 @@
 namespace resilin {
 namespace {
 
-constexpr double most_loads = 2;      ///< of its load may push a body off where it starts
-constexpr double least_share = 0.01;  ///< of the default distance
+constexpr double most_loads = 2;      ///< push at the start, relative to the load of the body
+constexpr double least_share = 0.01;  ///< shortest distance, relative to the default
 
 /// Share of the activation distance at which the barrier has `share` of the slope that it has at `from`.
 double relative_gap_of_slope(double share, double from) {

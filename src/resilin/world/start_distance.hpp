@@ -4,7 +4,7 @@
 
 namespace resilin {
 
-/// What a scene says of contact.
+/// Settings of a scene for contact.
 struct ContactWishes {
   std::vector<ColliderDescription> colliders;
   ContactDescription contact;
