@@ -83,6 +83,13 @@ std::vector<std::optional<std::size_t>> same_contacts(const FrictionContacts& be
   return same;
 }
 
+/// sum_k weight_k step_k [m].
+Vector3 way_along(int dim, const FrictionContacts::Entry& entry, const VectorX& step) {
+  Vector3 sum = Vector3::Zero();
+  for (const auto& [node, weight] : entry.nodes) sum += weight * node_position(dim, node, step);
+  return sum;
+}
+
 Vector3 tangential(const Vector3& vector, const Vector3& normal) {
   return vector - vector.dot(normal) * normal;
 }
@@ -216,7 +223,7 @@ void LaggedFriction::follow(const VectorX& x, const VectorX& p, double t) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const FrictionContacts::Entry entry = contacts_[i];
     const Tangents T = tangents(friction_.dim(), entry.contact.normal);
-    const Slip u = slip(entry, T, x), du = T.transpose() * way(entry, VectorX::Zero(x.size()), p);
+    const Slip u = slip(entry, T, x), du = T.transpose() * way_along(friction_.dim(), entry, p);
     const Slip w = direction(i, T, u);
     const double y = u.norm();
     const Slip end = slip_.slope_over_slip(y) * (u + du) - slip_.fall_of_slope(y) * unit(u).dot(du) * w;
