@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "resilin/optimize/objective.hpp"
 
 namespace resilin {
@@ -11,7 +13,7 @@ namespace resilin {
 /// tenth of the residual is left.
 class Lag {
  public:
-  /// How exactly linear systems between rounds are worth solving.
+  /// How exactly linear systems of rounds are worth solving at least.
   static constexpr double forcing = 5e-2;
 
   /// @param most_rounds  so often it may be formed before the search ends
@@ -39,11 +41,22 @@ class Lag {
     objective_.gradient(x, gradient);
     return true;
   }
+  /// How much of the gradient forming it has changed.
+  void set_share_of_change(double share) { share_of_change_ = share; }
 
-  /// Begins a round with what was formed last, or with a share of it. @return whether that changed forces
+  /// How exactly the first system of a round is worth solving: no more than Newton's method converges, nor
+  /// than a further round would change.
+  /// @param last_ratio  of the residual after the step before to that before it
+  double first_forcing(double last_ratio) const {
+    const double worth = std::max(0.9 * last_ratio * last_ratio, left_of_change * share_of_change_);
+    return std::clamp(worth, least_forcing, forcing);
+  }
+
+  /// Begins a round with what was formed last, or with a share of it. The first change says nothing of how
+  /// rounds settle. @return whether that changed forces
   bool begin_round(const VectorX& x, VectorX& gradient) {
     ++rounds_;
-    if (!objective_.relax_lag()) return false;
+    if (rounds_ == 1 || !objective_.relax_lag()) return false;
     is_here_ = false;
     objective_.gradient(x, gradient);
     return true;
@@ -52,13 +65,15 @@ class Lag {
   void set_first_residual(double residual) { first_residual_ = residual; }
 
  private:
-  static constexpr double first_goal = 3e-2, goal_of_round = 0.1;
+  static constexpr double first_goal = 0.1, goal_of_round = 0.1;
+  static constexpr double left_of_change = 0.03, least_forcing = 1e-3;
   Objective& objective_;
   int most_rounds_;
 
   int rounds_ = 0;
   bool is_here_ = false;
   double first_residual_ = 0;
+  double share_of_change_ = 1;
 };
 
 /// Solves lagged friction and the shape as one system, which has no potential, by Newton's method with the

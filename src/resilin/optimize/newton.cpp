@@ -159,8 +159,11 @@ bool Newton::Search::renew_lag(bool is_balanced) {
   if (coupling.is_on()) return false;
   const double relative = weighted_residual / convergence.weighted_scale();
   if (watchdog.steps > 0 || !(is_balanced || lag.is_due(weighted_residual, relative))) return false;
+  VectorX change = gradient;
   if (!lag.form(x, gradient)) return false;
+  change -= gradient;
   measure_residual();
+  if (weighted_residual > 0) lag.set_share_of_change(convergence.weighted_norm(change) / weighted_residual);
   last_residual = 0;
   if (verdict() == Convergence::Verdict::yes) return false;
   if (lag.is_over()) {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/linear/dependents.hpp"
 #include "resilin/optimize/convergence.hpp"
+#include "resilin/optimize/kept_factors.hpp"
 #include "resilin/optimize/lag.hpp"
 #include "resilin/optimize/led_motion.hpp"
 #include "resilin/optimize/newton.hpp"
@@ -68,7 +70,9 @@ struct Newton::Search {
                                  ///< alike
   double weighted_residual = 0;
   double last_residual = 0;  ///< the one before
+  double last_ratio = 1;     ///< residual after the last step, relative to the one before
   double last_forcing = 0;
+  KeptFactors factors{};
   double last_shift =
       0;  ///< last shift of a matrix that stayed indefinite though projected: the next one will, too
   bool has_potential = true;  ///< unless slow convergence asked and the objective said no
@@ -141,6 +145,8 @@ struct Newton::Search {
     const double goal = 0.3 * settings.tolerance * convergence.weighted_scale() / weighted_residual;
     if (settings.is_quadratic) return std::min(goal, settings.tolerance);
     const double most = lag.rounds() > 0 ? Lag::forcing : 1e-2;
+    if (lag.rounds() > 0 && last_residual == 0)
+      return std::clamp(lag.first_forcing(last_ratio), std::min(goal, most), most);
     double forcing = most;
     if (last_residual > 0) {
       const double ratio = weighted_residual / last_residual;
@@ -188,18 +194,11 @@ struct Newton::Search {
       scale_system();
     }
     const Stopwatch watch(report.solve_seconds);
-    newton.solver_->analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those at x
     ++report.linear_solves;
     if (!direction.is_exact) ++report.projected_solves;
-    LinearReport linear = newton.solver_->factorize(newton.hessian_);
-    require_memory(linear);
-    if (linear.status != LinearReport::Status::ok) return direction;
-    step.setZero(x.size());
-    last_forcing = forcing_term();
-    linear = newton.solver_->solve(newton.hessian_, coupled.count() > 1 ? scaled_right_side : right_side,
-                                   step, last_forcing);
-    report.linear_iterations += linear.iterations;
-    direction.found = linear.status != LinearReport::Status::indefinite && share.all(step.allFinite());
+    const std::optional<LinearReport> linear = solve_system(direction.is_exact);
+    if (!linear) return direction;
+    direction.found = linear->status != LinearReport::Status::indefinite && share.all(step.allFinite());
     if (dependents != nullptr) dependents->follow(step);
     if (direction.found && boundary_moves) {
       if (gap.size() > 0) step += gap;
@@ -207,6 +206,33 @@ struct Newton::Search {
       direction.found = share.dot(step, right_side) > 0;
     }
     return direction;
+  }
+
+  /// Makes `step` the solution of the linear system; none where the matrix has no factors.
+  std::optional<LinearReport> solve_system(bool is_exact) {
+    last_forcing = forcing_term();
+    const auto solve = [&] {
+      step.setZero(x.size());
+      const VectorX& b = coupled.count() > 1 ? scaled_right_side : right_side;
+      const LinearReport linear = newton.solver_->solve(newton.hessian_, b, step, last_forcing);
+      report.linear_iterations += linear.iterations;
+      return linear;
+    };
+    if (lag.rounds() > 0 && is_exact && factors.may_serve()) {
+      const LinearReport linear = solve();
+      const bool is_solved =
+          linear.status == LinearReport::Status::ok && linear.relative_residual <= last_forcing;
+      factors.tried(is_solved, linear.iterations, last_forcing);
+      if (is_solved) return linear;
+    }
+    factors.leave();
+    newton.solver_->analyze(newton.hessian_, x);  // quick on the same pattern; the rigid modes are those at x
+    LinearReport linear = newton.solver_->factorize(newton.hessian_);
+    require_memory(linear);
+    if (linear.status != LinearReport::Status::ok) return std::nullopt;
+    linear = solve();
+    if (is_exact && !newton.solver_->is_direct()) factors.made(linear.iterations, last_forcing);
+    return linear;
   }
 
   /// Forces without a potential: the step of the symmetric part is only the start of the one of the true
@@ -451,6 +477,8 @@ struct Newton::Search {
     if (coupling.is_on()) objective.form_lag(x);
     last_residual = weighted_residual;
     measure_residual();
+    last_ratio = weighted_residual / last_residual;
+    if (length < 1) factors.leave();
   }
 
   NewtonReport finish(NewtonReport::Status status, std::string reason);
