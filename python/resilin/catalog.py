@@ -26,8 +26,12 @@ def projection_named(name: Projection) -> _core.Projection:
 
 
 def laws() -> dict[str, _core.LawInfo]:
-    """Returns all constitutive models by name, {name: LawInfo}: title, formula, source, constants with units, inversion
-    behaviour.
+    """Lists all constitutive models.
+
+    Returns
+    -------
+    dict
+        {name: LawInfo}: title, formula, source, constants with units, behaviour under inversion.
     """
     return {law.name: law for law in _core.laws()}
 

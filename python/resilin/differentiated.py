@@ -125,7 +125,18 @@ class Differentiated:
         return self._run.num_steps_beside_way
 
     def seed_of_asked(self, by_positions: NDArray[Any]) -> Floats:
-        """Derivatives by `positions` from derivatives by `asked_positions`, as the argument of `vjp`."""
+        """Derivatives by `positions` from derivatives by `asked_positions`.
+
+        Parameters
+        ----------
+        by_positions : array (frames of the scene, N, d)
+            Derivatives of a scalar by `asked_positions`.
+
+        Returns
+        -------
+        array (T, N, d)
+            Argument of `vjp`.
+        """
         frames = self._run.asked_frames
         seed = np.zeros((self._run.num_frames, *by_positions.shape[1:]))
         seed[frames] = by_positions
@@ -193,6 +204,16 @@ class Differentiated:
         """Gauss-Newton product J^T J v for an objective 1/2 |r|^2 with residuals r.
 
         J is the derivative of r by the parameters. It needs one tangent and one adjoint product.
+
+        Parameters
+        ----------
+        direction : dict
+            The vector v, by parameter name; others are zero.
+
+        Returns
+        -------
+        dict
+            As `gradients`.
         """
         terms = self._sum()
         change = terms.change_of_residuals(self._forward(direction))

@@ -94,6 +94,11 @@ class DifferentiatedBatch:
         seed : array or sequence
             Derivatives by `positions` (B, T, N, d), or (B, N, d) for the last frame; or B seeds of
             `Differentiated.vjp`.
+
+        Returns
+        -------
+        dict
+            As `gradients`.
         """
         seeds = list(seed) if isinstance(seed, Sequence) else list(np.asarray(real_array(seed, "seed")))
         self._check_count(len(seeds), "seed")
@@ -102,7 +107,18 @@ class DifferentiatedBatch:
         )
 
     def jvp(self, direction: Mapping[str, RealArray]) -> dict[str, Any]:
-        """`Differentiated.jvp` of each set, all arrays with a leading dimension B, those of `direction` as well."""
+        """`Differentiated.jvp` of each set.
+
+        Parameters
+        ----------
+        direction : dict
+            Changes by parameter name, with a leading dimension B; others are zero.
+
+        Returns
+        -------
+        dict
+            As `Differentiated.jvp`, all arrays with a leading dimension B.
+        """
         frames = self._forward(direction)
         each = [item._changes_of_results(of) for item, of in zip(self._items, frames, strict=True)]
         return {
@@ -113,7 +129,18 @@ class DifferentiatedBatch:
         }
 
     def gauss_newton_product(self, direction: Mapping[str, RealArray]) -> dict[str, Floats]:
-        """`Differentiated.gauss_newton_product` of each set, with a leading dimension B."""
+        """`Differentiated.gauss_newton_product` of each set.
+
+        Parameters
+        ----------
+        direction : dict
+            The vectors v by parameter name, with a leading dimension B.
+
+        Returns
+        -------
+        dict
+            As `gradients`.
+        """
         sums = [item._sum() for item in self._items]
         frames = self._forward(direction)
         slopes = [of.slopes_of_residuals(of.change_of_residuals(f)) for of, f in zip(sums, frames, strict=True)]

@@ -168,7 +168,18 @@ class Elastic:
     def value(self, x: RealArray) -> float: ...
 
     def value(self, x: Any) -> Any:
-        """Energy [J] at positions `x` (N, d); zero in the reference configuration, inf outside the law's domain."""
+        """Strain energy of the body.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        float, or a tensor of one number
+            [J]; zero in the reference configuration, inf outside the domain of the model.
+        """
         if is_tensor(x):
             return self._at_tensors().value(x)
         return self._core_at_arrays().value(self._positions(x))
@@ -180,7 +191,18 @@ class Elastic:
     def gradient(self, x: RealArray) -> Floats: ...
 
     def gradient(self, x: Any) -> Any:
-        """Derivative of the energy (N, d) [N]; the elastic forces are its negative."""
+        """Derivative of the energy by the positions.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        array or tensor (N, d)
+            [N]; the elastic forces are its negative.
+        """
         if is_tensor(x):
             return self._at_tensors().gradient(x)
         return self._core_at_arrays().gradient(self._positions(x))
@@ -214,10 +236,12 @@ class Elastic:
 
         Parameters
         ----------
-        x : array (N, d)
+        x : array or tensor (N, d)
+            Positions [m].
         projection : None, "clamp" or "absolute"
             Projection of negative eigenvalues of each cell's Hessian: none, to zero, or to their absolute values.
         as_triplets : bool
+            Whether to return rows, columns and values.
 
         Returns
         -------
@@ -275,6 +299,11 @@ class Elastic:
             Positions [m].
         p : array or tensor (N, d)
             Step of the positions [m].
+
+        Returns
+        -------
+        float, or a tensor of one number
+            Factor on `p`, without a unit.
         """
         if is_tensor(x):
             return self._at_tensors().max_step(x, p)
@@ -287,7 +316,18 @@ class Elastic:
     def volume_ratios(self, x: RealArray) -> Floats: ...
 
     def volume_ratios(self, x: Any) -> Any:
-        """Volume ratio J = det F at each point (M,) or (M, Q)."""
+        """Volume ratio J = det F at each quadrature point.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        array or tensor (M,), or (M, Q) for Q points in a cell
+            Deformed over reference volume, without a unit.
+        """
         if is_tensor(x):
             return self._at_tensors().volume_ratios(x)
         return self._of_points(self._core_at_arrays().volume_ratios(self._positions(x)))
@@ -299,7 +339,18 @@ class Elastic:
     def energy_densities(self, x: RealArray) -> Floats: ...
 
     def energy_densities(self, x: Any) -> Any:
-        """Strain energy density Psi at each point (M,) or (M, Q) [J/m^3]."""
+        """Strain energy density Psi at each quadrature point.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        array or tensor (M,) or (M, Q)
+            [J/m^3] of reference volume.
+        """
         if is_tensor(x):
             return self._at_tensors().energy_densities(x)
         return self._of_points(self._core_at_arrays().energy_densities(self._positions(x)))
@@ -311,7 +362,18 @@ class Elastic:
     def deformation_gradients(self, x: RealArray) -> Floats: ...
 
     def deformation_gradients(self, x: Any) -> Any:
-        """Deformation gradient F at each point (M, d, d) or (M, Q, d, d)."""
+        """Deformation gradient F = dx/dX at each quadrature point.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        array or tensor (M, d, d) or (M, Q, d, d)
+            Without a unit.
+        """
         if is_tensor(x):
             return self._at_tensors().deformation_gradients(x)
         gradients = self._of_points(self._core_at_arrays().deformation_gradients(self._positions(x)))
@@ -324,7 +386,18 @@ class Elastic:
     def cauchy_stresses(self, x: RealArray) -> Floats: ...
 
     def cauchy_stresses(self, x: Any) -> Any:
-        """Cauchy stress at each point (M, 3, 3) or (M, Q, 3, 3) [Pa]; in 2D with the out-of-plane stress."""
+        """Cauchy stress at each quadrature point.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        array or tensor (M, 3, 3) or (M, Q, 3, 3)
+            [Pa]; in 2D with the out-of-plane stress.
+        """
         if is_tensor(x):
             return self._at_tensors().cauchy_stresses(x)
         return self._of_points(self._core_at_arrays().cauchy_stresses(self._positions(x)))
@@ -336,7 +409,18 @@ class Elastic:
     def von_mises(self, x: RealArray) -> Floats: ...
 
     def von_mises(self, x: Any) -> Any:
-        """Von Mises stress at each point (M,) or (M, Q) [Pa]."""
+        """Von Mises stress at each quadrature point.
+
+        Parameters
+        ----------
+        x : array or tensor (N, d)
+            Positions [m].
+
+        Returns
+        -------
+        array or tensor (M,) or (M, Q)
+            [Pa]
+        """
         if is_tensor(x):
             return self._at_tensors().von_mises(x)
         return self._of_points(self._core_at_arrays().von_mises_stresses(self._positions(x)))

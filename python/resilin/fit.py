@@ -112,7 +112,13 @@ class Fit:
         refuse("fit", f"one of {', '.join(law.name for law in self.laws)}", repr(name))
 
     def save(self, folder: AnyPath) -> None:
-        """Writes fit.html, fit.json and material.toml."""
+        """Writes fit.html, fit.json and material.toml.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it does not exist.
+        """
         path = Path(folder)
         path.mkdir(parents=True, exist_ok=True)
         (path / "fit.html").write_text(self._page, encoding="utf-8")

@@ -89,6 +89,8 @@ def value_and_gradient(
         `Outcome` that returns its value and {"positions": derivatives (T, N, d)}.
     wrt : list of str
         Keys of the scene: "body.beam.material.youngs_modulus"; `resilin.parameter_names(scene)` has them all.
+    overrides : dict or list of "KEY=VALUE"
+        Changes of the scene.
     checkpoints : int
         Dynamics: 0 stores the positions of all steps; k stores k states and recomputes the steps between them, with
         bitwise equal results.
@@ -123,11 +125,16 @@ def gradient(
 ) -> dict[str, Numbers]:
     """Runs a scene and returns the exact gradient of an objective by parameters of the scene.
 
-    Parameters are those of `value_and_gradient`, which returns the value of the objective as well.
+    `value_and_gradient` returns the value of the objective as well.
+
+    Parameters
+    ----------
+    scene, objective, wrt, overrides, checkpoints
+        As for `value_and_gradient`.
 
     Returns
     -------
     dict
-        {key: gradient}, each with the shape of its parameter.
+        {key: gradient}, each with the shape of its parameter, in the unit of the objective per unit of the parameter.
     """
     return value_and_gradient(scene, objective, wrt, overrides=overrides, checkpoints=checkpoints).gradients

@@ -24,6 +24,8 @@ def simulate(
     ----------
     scene : path or dict
         As for `resilin.run`.
+    overrides : dict or list of "KEY=VALUE"
+        Changes of the scene.
     checkpoints : int
         As for `resilin.value_and_gradient`.
     **arrays

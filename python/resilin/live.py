@@ -96,7 +96,13 @@ class LiveScene(PresentState[_core.LiveScene]):
         return vertex
 
     def drag(self, place: RealArray) -> None:
-        """Pulls the grabbed vertex towards a point (d,) [m], with at most `controls["max_force"]`, until `release`."""
+        """Pulls the grabbed vertex towards a point, with at most `controls["max_force"]`, until `release`.
+
+        Parameters
+        ----------
+        place : array (d,)
+            Target [m].
+        """
         self._core.drag(_numbers(place, "drag"))
         self._pages.wake()
 
@@ -116,12 +122,24 @@ class LiveScene(PresentState[_core.LiveScene]):
         return np.array(self._core.hand_force())
 
     def pin(self, vertices: int | IntegerArray) -> None:
-        """Fixes vertices, rows of `positions`, at their present positions."""
+        """Fixes vertices at their present positions.
+
+        Parameters
+        ----------
+        vertices : int or array of int
+            Rows of `positions`.
+        """
         self._core.pin(_vertices(vertices, "pin"), True)
         self._pages.wake()
 
     def unpin(self, vertices: int | IntegerArray | None = None) -> None:
-        """Releases pinned vertices; all without an argument. Boundary conditions of the scene stay."""
+        """Releases pinned vertices; boundary conditions of the scene stay.
+
+        Parameters
+        ----------
+        vertices : int or array of int, optional
+            Rows of `positions`; by default all that are pinned.
+        """
         if vertices is None:
             self._core.unpin_all()
         else:
@@ -163,7 +181,18 @@ class LiveScene(PresentState[_core.LiveScene]):
         return dict(self._core.controls())
 
     def set(self, **controls: ControlValue | RealArray) -> None:
-        """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`; if one is refused, none changes."""
+        """Changes controls: `scene.set(youngs_modulus=2e5, gravity=[0, 0, -1.6])`.
+
+        Parameters
+        ----------
+        **controls
+            Values by name, in the units of `controls`: [Pa], [m/s^2], [s] ...
+
+        Raises
+        ------
+        InputError
+            For an unknown name or a value that is not allowed; then none changes.
+        """
         self._core.set([(name, _plain(value, f"controls: {name}")) for name, value in controls.items()])
         self._pages.wake()
 

@@ -137,6 +137,7 @@ class Material:
         Parameters
         ----------
         F : array (..., d, d)
+            Deformation gradient.
         displacement_gradient : bool
             Whether `F` holds H = F - I, which keeps all digits at small strain.
         out : array (...), optional
@@ -172,7 +173,19 @@ class Material:
     def first_piola_kirchhoff_stress(self, F: Any, *, displacement_gradient: bool = False, out: Any = None) -> Any:
         """First Piola-Kirchhoff stress P = dPsi/dF [Pa].
 
-        Parameters are those of `energy_density`; the result and `out` are (..., d, d), nan outside the law's domain.
+        Parameters
+        ----------
+        F : array (..., d, d)
+            Deformation gradient.
+        displacement_gradient : bool
+            Whether `F` holds H = F - I, which keeps all digits at small strain.
+        out : array (..., d, d), optional
+            Array for the result, with the type of F.
+
+        Returns
+        -------
+        array (..., d, d)
+            nan outside the domain of the model.
         """
         law = self._shared_law if out is None else None
         if law is not None and (P := law.new_first_piola_kirchhoff_stresses(F, displacement_gradient)) is not None:
@@ -219,6 +232,7 @@ class Material:
         Parameters
         ----------
         F : array (..., d, d)
+            Deformation gradient.
         projection : None, "clamp" or "absolute"
             Projection of negative eigenvalues of the tangent as a matrix of d^2 rows: none, to zero, or to their
             absolute values.
@@ -228,6 +242,7 @@ class Material:
         Returns
         -------
         array (..., d, d, d, d)
+            [Pa]; nan outside the domain of the model.
         """
         if is_tensor(F):
             return self._at_tensors().stress_tangent(F, projection, displacement_gradient, out)
@@ -274,6 +289,7 @@ class Material:
         Parameters
         ----------
         F : array (..., d, d)
+            Deformation gradient.
         Dm_inv : array (..., d, d)
             Inverse of the matrix whose columns are the reference edges from corner 0 [1/m].
         volume : array (...)
@@ -314,6 +330,7 @@ class Material:
         Parameters
         ----------
         F : array (..., d, d)
+            Deformation gradient.
         displacement_gradient : bool
             Whether `F` holds H = F - I.
 
@@ -341,6 +358,7 @@ class Material:
         Parameters
         ----------
         F : array (..., d, d)
+            Deformation gradient.
         displacement_gradient : bool
             Whether `F` holds H = F - I.
 

@@ -115,7 +115,22 @@ class Mesh:
 
     @classmethod
     def read(cls, path: AnyPath) -> Self:
-        """Reads a mesh file unchanged (docs/mesh_formats.md); its first bytes tell the format."""
+        """Reads a mesh file unchanged.
+
+        Parameters
+        ----------
+        path : path
+            Any format of docs/mesh_formats.md; the first bytes tell which.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            For a file that is damaged or of an unknown format, with the line.
+        """
         core = _core.read_mesh(file_path(path, "path"))
         warn(core.warnings)
         return cls._of(core)
@@ -129,6 +144,10 @@ class Mesh:
         mesh : meshio.Mesh
         name : str
             Name of the mesh in messages.
+
+        Returns
+        -------
+        Mesh
 
         Raises
         ------
@@ -238,7 +257,13 @@ class Mesh:
         return MeshReport(*self._core.check())
 
     def write(self, path: AnyPath) -> None:
-        """Writes a mesh file: .msh, .vtu, .mesh (Medit) or .obj (surface)."""
+        """Writes a mesh file.
+
+        Parameters
+        ----------
+        path : path
+            The extension tells the format: .msh, .vtu, .mesh (Medit) or .obj (surface).
+        """
         self._core.write(file_path(path, "path"))
 
     def __getstate__(self) -> dict[str, Any]:
@@ -256,7 +281,17 @@ class Mesh:
 
 
 def read_mesh(path: AnyPath) -> Mesh:
-    """The same as `Mesh.read`."""
+    """Reads a mesh file, as `Mesh.read` does.
+
+    Parameters
+    ----------
+    path : path
+        Any format of docs/mesh_formats.md.
+
+    Returns
+    -------
+    Mesh
+    """
     return Mesh.read(path)
 
 

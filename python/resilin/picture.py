@@ -38,7 +38,13 @@ class Picture:
         return self._image.pixels()
 
     def save(self, path: AnyPath) -> None:
-        """Writes a PNG file; its name ends in .png."""
+        """Writes a PNG file.
+
+        Parameters
+        ----------
+        path : path
+            A name that ends in .png.
+        """
         self._image.save(file_path(path, "path"))
 
     def _repr_png_(self) -> bytes:

@@ -102,6 +102,11 @@ class Result:
     def save(self, folder: AnyPath) -> None:
         """Writes the folder of `resilin run --out`: report.json, frames.pvd, frames/, checkpoint.bin and, by
         output.formats, result.html and result.usda.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it does not exist.
         """
         self._core.save(file_path(folder, "folder"))
 
@@ -168,12 +173,26 @@ class Result:
         Parameters
         ----------
         body : str, optional
-            Its name; may be left out where there is one body.
+            Its name; may be left out if there is one body.
+
+        Returns
+        -------
+        array (M, n) of int32
         """
         return self._core.cells(exchange.body_name(self._core, body))
 
     def vertices(self, body: str | None = None) -> slice:
-        """The rows of `positions` that belong to a body, as a slice."""
+        """Rows of `positions` that belong to a body.
+
+        Parameters
+        ----------
+        body : str, optional
+            Its name; may be left out if there is one body.
+
+        Returns
+        -------
+        slice
+        """
         return slice(*self._core.vertex_range(exchange.body_name(self._core, body)))
 
     def to_meshio(self, frame: int = -1, fields: Sequence[str] = exchange.USUAL_FIELDS) -> meshio.Mesh:
@@ -185,6 +204,11 @@ class Result:
             Its number; -1 is the last.
         fields : sequence of str
             Any of `fields`. Tensors have nine components, row by row.
+
+        Returns
+        -------
+        meshio.Mesh
+            Positions in metres, fields in SI units.
         """
         return exchange.to_meshio(self._core, frame, fields)
 
@@ -197,6 +221,11 @@ class Result:
             Number of the frame; -1 is the last.
         fields : list of str
             Names of fields, as for `to_meshio`.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+            Positions in metres, fields in SI units.
         """
         return exchange.to_pyvista(self._core, frame, fields)
 
@@ -206,6 +235,11 @@ class Result:
 
         The columns are named as in report.json, joined by points: "energy.elastic", "probes.tip.displacement.z",
         "reactions.wall.x".
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are those of report.json (docs/results.md).
         """
         return exchange.to_dataframe(self.report)
 

@@ -93,6 +93,11 @@ class SceneFit:
     def save(self, folder: AnyPath) -> None:
         """Writes the files of ``resilin fit``: fit.html, fit.json, material.toml, BODY_CONSTANT.csv for cell values and
         BODY_CONSTANT.vtu for fields.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it does not exist.
         """
         self._report.save(file_path(folder, "folder"))
 

@@ -218,7 +218,17 @@ class Simulation(PresentState[_core.Simulation]):
         return loads
 
     def skin_positions(self, body: str) -> Floats:
-        """Present positions of the embedded surface (skin) of a body (V, 3) [m]; in 2D the third column is zero.
+        """Present positions of the embedded surface (skin) of a body.
+
+        Parameters
+        ----------
+        body : str
+            Its name.
+
+        Returns
+        -------
+        array (V, 3)
+            [m]; in 2D the third column is zero.
 
         Raises
         ------
@@ -228,7 +238,18 @@ class Simulation(PresentState[_core.Simulation]):
         return self._core.skin_positions(plain_text(body, "body"))
 
     def skin_triangles(self, body: str) -> NDArray[np.int32]:
-        """Triangles of the skin (T, 3), as rows of `skin_positions`; for a curve in 2D its lines (T, 2)."""
+        """Triangles of the embedded surface (skin) of a body.
+
+        Parameters
+        ----------
+        body : str
+            Its name.
+
+        Returns
+        -------
+        array (T, 3) of int32
+            Rows of `skin_positions`; for a curve in 2D its lines (T, 2).
+        """
         return self._core.skin_facets(plain_text(body, "body"))
 
     def __reduce__(self) -> NoReturn:

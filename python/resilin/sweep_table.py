@@ -71,6 +71,15 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
     def result_folder(self, scene: int) -> pathlib.Path:
         """Result folder of a scene whose results were kept, as `resilin run` writes it.
 
+        Parameters
+        ----------
+        scene : int
+            Number of the scene.
+
+        Returns
+        -------
+        pathlib.Path
+
         Raises
         ------
         InputError
@@ -92,21 +101,42 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
             Name of the field, as in `Result.fields`.
         frame : int
             Number of the frame; -1 is the last.
+
+        Returns
+        -------
+        array
+            With the shape and unit of the field (docs/results.md).
         """
         array: NDArray[np.float64] = _core.kept_field(str(self.result_folder(scene)), name, frame)[0]
         return array
 
     def rest_positions(self, scene: int) -> NDArray[np.float64]:
-        """Reference positions (N, d) [m] of a scene whose results were kept."""
+        """Reference positions of a scene whose results were kept.
+
+        Parameters
+        ----------
+        scene : int
+            Number of the scene.
+
+        Returns
+        -------
+        array (N, d)
+            [m]
+        """
         return _core.kept_rest_positions(str(self.result_folder(scene)))
 
     def to_parquet(self, path: AnyPath | None = None) -> pathlib.Path:
-        """Writes the table as Parquet, by pyarrow; by default results.parquet in the folder.
+        """Writes the table as Parquet, by pyarrow.
+
+        Parameters
+        ----------
+        path : path, optional
+            The file; by default results.parquet in the folder.
 
         Returns
         -------
         pathlib.Path
-            Of the file.
+            The file.
         """
         try:
             pyarrow: Any = importlib.import_module("pyarrow")
@@ -126,6 +156,15 @@ class SweepTable(Mapping[str, "NDArray[Any]"]):
 
 def read_sweep(folder: AnyPath) -> SweepTable:
     """Reads the table of a finished or running sweep of `resilin sweep` or `resilin.sweep`.
+
+    Parameters
+    ----------
+    folder : path
+        Folder of the sweep, with results.csv.
+
+    Returns
+    -------
+    SweepTable
 
     Raises
     ------

@@ -71,7 +71,18 @@ class StableNeoHookean:
     def energy_density(self, F: NDArray[Real]) -> NDArray[Real]: ...
 
     def energy_density(self, F: Any) -> Any:
-        """Psi (M,) [J/m^3] at deformation gradients F (M, 3, 3)."""
+        """Strain energy density Psi.
+
+        Parameters
+        ----------
+        F : array or tensor (M, 3, 3)
+            Deformation gradients.
+
+        Returns
+        -------
+        array or tensor (M,)
+            [J/m^3]
+        """
         return self._material.energy_density(F)
 
     @overload
@@ -81,7 +92,18 @@ class StableNeoHookean:
     def first_piola_kirchhoff_stress(self, F: NDArray[Real]) -> NDArray[Real]: ...
 
     def first_piola_kirchhoff_stress(self, F: Any) -> Any:
-        """P = dPsi/dF (M, 3, 3) [Pa]."""
+        """First Piola-Kirchhoff stress P = dPsi/dF.
+
+        Parameters
+        ----------
+        F : array or tensor (M, 3, 3)
+            Deformation gradients.
+
+        Returns
+        -------
+        array or tensor (M, 3, 3)
+            [Pa]
+        """
         return self._material.first_piola_kirchhoff_stress(F)
 
     @overload
@@ -91,7 +113,18 @@ class StableNeoHookean:
     def first_piola_kirchhoff_stress_analytic(self, F: NDArray[Real]) -> NDArray[Real]: ...
 
     def first_piola_kirchhoff_stress_analytic(self, F: Any) -> Any:
-        """The same: there is one stress."""
+        """First Piola-Kirchhoff stress, the same as `first_piola_kirchhoff_stress`.
+
+        Parameters
+        ----------
+        F : array or tensor (M, 3, 3)
+            Deformation gradients.
+
+        Returns
+        -------
+        array or tensor (M, 3, 3)
+            [Pa]
+        """
         return self._material.first_piola_kirchhoff_stress(F)
 
     @overload
@@ -103,7 +136,22 @@ class StableNeoHookean:
     ) -> NDArray[Real]: ...
 
     def compute_elastic_forces(self, F: Any, Dm_inv: Any, volume: Any) -> Any:
-        """Forces on the corners (M, 4, 3) [N], from F (M, 3, 3), Dm_inv (M, 3, 3) [1/m] and volume (M,) [m^3]."""
+        """Forces on the corners of tetrahedra.
+
+        Parameters
+        ----------
+        F : array or tensor (M, 3, 3)
+            Deformation gradients.
+        Dm_inv : array or tensor (M, 3, 3)
+            Inverse of the matrix whose columns are the reference edges from corner 0 [1/m].
+        volume : array or tensor (M,)
+            Reference volume [m^3].
+
+        Returns
+        -------
+        array or tensor (M, 4, 3)
+            [N]
+        """
         return self._material.elastic_forces(F, Dm_inv, volume)
 
 
@@ -119,6 +167,8 @@ def simulate(
     ----------
     scene : path or dict
         As for `resilin.run`.
+    overrides : dict or list of "KEY=VALUE"
+        Changes of the scene.
     checkpoints : int
         As for `resilin.value_and_gradient`.
     batch : bool
