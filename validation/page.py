@@ -79,9 +79,7 @@ def summary(version, results, by_topic):
     text = SUMMARY
     for topic, entries in by_topic.items():
         of_topic = [(name, result) for name, _, of_case in entries for result in of_case]
-        against = "; ".join(
-            f"[{case['title']}](#{anchor(case['title'])}): {case['compared_with']}" for _, case, _ in entries
-        )
+        against = ", ".join(dict.fromkeys(one for _, case, _ in entries for one in case["compared_with"].split(", ")))
         text += summary_line(f"[{topic}](#{anchor(topic)})", against, len(entries), of_topic)
     text += summary_line("**all**", "", sum(len(entries) for entries in by_topic.values()), results)
     half = f"{errors[len(errors) // 2]:.0e}"
