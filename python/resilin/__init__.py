@@ -28,6 +28,7 @@ from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
 from resilin.rest_shape import RestShape, find_rest_shape
 from resilin.result import Result, Step
+from resilin.scene_check import SceneCheck, check
 from resilin.scene_fit import SceneFit, fit_scenes
 from resilin.simulation import Simulation, run
 from resilin.sweeps import SweepTable, read_sweep, sweep
@@ -49,11 +50,13 @@ __all__ = [
     "Picture",
     "RestShape",
     "Result",
+    "SceneCheck",
     "SceneFit",
     "Simulation",
     "Step",
     "SweepTable",
     "__version__",
+    "check",
     "embed",
     "find_rest_shape",
     "fit",
