@@ -327,5 +327,69 @@ TEST(FramesOfARunWithColliders, SayHowFarTheseAreBehind) {
   }
 }
 
+/// Frames show the mesh of a rigid body, and its control nodes are read back from them.
+TEST(FramesOfARigidBody, ShowItsMesh) {
+  const TemporaryFolder folder;
+  for (const int dim : {2, 3}) {
+    Description scene = small_bar(dim, true);
+    scene.probes.clear();
+    BodyDescription rigid = scene.bodies[0];
+    rigid.name = "rigid";
+    rigid.mesh = dim == 3 ? make_hexahedron_box({0.2, 0.2, 0.2}, {2, 3, 2})
+                          : make_quadrilateral_rectangle({0.2, 0.2}, {2, 3});
+    rigid.element.clear();
+    rigid.translate = {0, 1, 0};
+    rigid.rigid = RigidDescription{.density = 1000};
+    rigid.velocity_gradient(0, 1) = -30;
+    rigid.velocity_gradient(1, 0) = 30;
+    scene.fixes[0].body = "soft";
+    scene.bodies[0].name = "soft";
+    scene.bodies.insert(scene.bodies.begin(), rigid);
+    scene.end_time = 0.1;
+    scene.time_step = 0.01;
+    scene.output.fields = {"displacement", "averaged_von_mises", "von_mises"};
+    Simulation simulation(scene);
+    const std::filesystem::path place = folder / std::to_string(dim);
+    ResultFolder results(place);
+    results.record(simulation, false);
+    const RunOutcome outcome = run_to_end(simulation, {});
+    results.record(simulation, true);
+    results.finish(simulation, outcome);
+    const std::filesystem::path file = frame_files(place).back();
+    const VtuContent frame = read_vtu(file);
+    const auto world = saved_world(place);
+    const State state = state_of_frame(*world, frame, file);
+    EXPECT_EQ(state.positions, simulation.state().positions);
+    EXPECT_EQ(state.velocities, simulation.state().velocities);
+    const std::size_t num_cells = dim == 3 ? 12 : 6;
+    EXPECT_EQ(
+        frame.file.mesh.find_block(dim == 3 ? CellKind::hexahedron : CellKind::quadrilateral)->num_cells(),
+        static_cast<Index>(num_cells));
+    const auto array = [](const std::vector<VtuValues>& all, const char* name) {
+      return *std::ranges::find(all, std::string(name), &VtuValues::name);
+    };
+    const VtuValues stress = array(frame.cell_data, "von_mises"), bodies = array(frame.cell_data, "body"),
+                    displacement = array(frame.point_data, "displacement"),
+                    averaged = array(frame.point_data, "averaged_von_mises");
+    EXPECT_EQ(std::ranges::count(bodies.values, 0.0), static_cast<std::ptrdiff_t>(num_cells));
+    for (std::size_t cell = 0; cell < stress.values.size(); ++cell)
+      EXPECT_EQ(std::isnan(stress.values[cell]), bodies.values[cell] == 0);
+    // In no time of a turn, distances within the body are those at rest.
+    const std::size_t first = static_cast<std::size_t>(world->num_nodes()), count = dim == 3 ? 36 : 12;
+    ASSERT_EQ(frame.file.mesh.vertices.size(), first + count);
+    const auto rest = [&](std::size_t point) {
+      return Vector3(frame.file.mesh.vertices[point] -
+                     Eigen::Map<const Vector3>(displacement.values.data() + 3 * point));
+    };
+    for (std::size_t v = first; v < first + count; ++v) {
+      const double now = (frame.file.mesh.vertices[v] - frame.file.mesh.vertices[first]).norm();
+      EXPECT_NEAR(now, (rest(v) - rest(first)).norm(), 1e-4);
+      EXPECT_TRUE(std::isnan(averaged.values[v]));
+      EXPECT_NEAR(rest(v).x(), std::clamp(rest(v).x(), 0.0, 0.2), 1e-12);
+    }
+    EXPECT_GT(Eigen::Map<const Vector3>(displacement.values.data() + 3 * first).norm(), 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -202,5 +202,40 @@ TEST(Normals, InThePlanePointTowardsTheViewerAlsoWhereThereIsNoArea) {
   }
 }
 
+TEST(ShownSurface, IsTheMeshOfARigidBody) {
+  for (const int dim : {2, 3}) {
+    Description scene = bar_of("P1", dim);
+    scene.fixes.clear();
+    scene.probes.clear();
+    scene.bodies[0].rigid = RigidDescription{.density = 1000};
+    const World world(scene);
+    const ShownSurface surface(world);
+    ASSERT_EQ(surface.parts().size(), 1u);
+    const ShownSurface::Part& part = surface.parts()[0];
+    EXPECT_EQ(part.kind, ShownSurface::Kind::cells);
+    EXPECT_EQ(part.num_triangles, dim == 3 ? 144 : 32);
+    EXPECT_EQ(static_cast<std::size_t>(part.num_vertices), scene.bodies[0].mesh.vertices.size());
+    const auto move = [dim](const Vector3& X) {
+      const Vector3 turned(0.6 * X.x() - 0.8 * X.y(), 0.8 * X.x() + 0.6 * X.y(), X.z());
+      return Vector3(turned + Vector3(1, 2, dim == 3 ? 3 : 0));
+    };
+    VectorX x = world.rest_positions;
+    for (Index node = 0; node < world.num_nodes(); ++node)
+      x.segment(node * dim, dim) = move(node_position(dim, node, x)).head(dim);
+    const std::vector<float> rest = places_of(surface, world.rest_positions), moved = places_of(surface, x);
+    std::set<std::array<float, 3>> places;
+    for (std::uint32_t v = 0; v < static_cast<std::uint32_t>(surface.num_vertices()); ++v) {
+      EXPECT_LT((vertex(moved, v) - move(vertex(rest, v))).norm(), 1e-6);
+      places.insert({rest[3 * v], rest[3 * v + 1], rest[3 * v + 2]});
+    }
+    EXPECT_EQ(places.size(), scene.bodies[0].mesh.vertices.size());
+    for (Index node = 0; node < world.num_nodes(); ++node) {
+      const std::optional<Index> mark = surface.vertex_of(node);  // for a pin to be drawn
+      ASSERT_TRUE(mark);
+      EXPECT_TRUE(surface.is_outside(*mark));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace resilin::testing

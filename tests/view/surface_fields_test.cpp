@@ -141,5 +141,24 @@ TEST(SurfaceFields, RefuseOthersByName) {
   EXPECT_THROW(field_of(world, state, "displacement.w"), InputError);
 }
 
+/// Its control nodes lie elsewhere than its vertices, and lengths are not linear.
+TEST(SurfaceFields, OfARigidBodyAreThoseOfItsMotion) {
+  Description scene = small_bar(3, true);
+  scene.fixes.clear();
+  scene.bodies[0].rigid = RigidDescription{.density = 1000};
+  const World world(scene);
+  VectorX x = world.rest_positions;
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    x.segment<3>(3 * node) = Vector3(-x[3 * node + 1], x[3 * node], x[3 * node + 2]);
+  const std::vector<float> lengths = field_of(world, state_at(x), "displacement");
+  const ShownSurface surface(world);
+  for (std::size_t v = 0; v < lengths.size(); ++v) {
+    const float* X = surface.rest_positions().data() + 3 * v;
+    EXPECT_NEAR(lengths[v], std::sqrt(2) * std::hypot(X[0], X[1]), 1e-6);
+  }
+  for (const char* name : {"averaged_von_mises", "nodal_pressure", "contact_pressure"})
+    for (const float value : field_of(world, state_at(x), name)) EXPECT_TRUE(std::isnan(value)) << name;
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -119,11 +119,10 @@ constexpr CellQuantity of_cells[] = {
 
 constexpr NodeQuantity of_nodes[] = {
     {"displacement", "displacement", "from the reference configuration", "m", vector,
-     [](const World& world, const State& state) -> VectorX {
-       return state.positions - world.rest_positions;
-     }},
+     [](const World& world, const State& state) -> VectorX { return state.positions - world.rest_positions; },
+     true},
     {"velocity", "velocity", "zero in statics", "m/s", vector,
-     [](const World&, const State& state) -> VectorX { return state.velocities; }},
+     [](const World&, const State& state) -> VectorX { return state.velocities; }, true},
     {"contact_traction", "contact traction",
      "contact force of bodies and colliders per reference area; zero elsewhere", "Pa", vector,
      contact_traction},

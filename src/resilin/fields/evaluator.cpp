@@ -1,6 +1,7 @@
 #include "resilin/fields/evaluator.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -91,6 +92,23 @@ const CellQuantity* find_quantity(const FieldInfo& field) {
   return found == cell_quantities().end() ? nullptr : &*found;
 }
 
+/// A rigid body has no values but its motion: nan.
+void leave_out_rigid_bodies(const World& world, FieldValues& field) {
+  const auto width = static_cast<std::size_t>(field.field->components());
+  std::size_t first_cell = 0;
+  for (const Body& body : world.bodies) {
+    const auto num_cells = static_cast<std::size_t>(body.num_cells());
+    if (body.rigid) {
+      const bool is_on_nodes = field.field->is_on_nodes();
+      const std::size_t first = is_on_nodes ? static_cast<std::size_t>(body.first_node) : first_cell;
+      const std::size_t count = is_on_nodes ? static_cast<std::size_t>(body.num_nodes) : num_cells;
+      std::fill_n(field.values.begin() + static_cast<std::ptrdiff_t>(first * width), count * width,
+                  std::numeric_limits<double>::quiet_NaN());
+    }
+    first_cell += num_cells;
+  }
+}
+
 }  // namespace
 
 FieldEvaluator::FieldEvaluator(const World& world, std::shared_ptr<const CellAverages> averages)
@@ -116,6 +134,7 @@ std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<
       const VectorX values = node_quantity->values(world_, state);
       results.push_back({&field, field.components() == 1 ? std::vector<double>(values.begin(), values.end())
                                                          : nodal_vectors(values, world_.dimension)});
+      if (!node_quantity->is_motion) leave_out_rigid_bodies(world_, results.back());
       continue;
     }
     const CellQuantity& quantity = *find_quantity(field);
@@ -131,6 +150,7 @@ std::vector<FieldValues> FieldEvaluator::evaluate(const State& state, std::span<
     if (field.source == FieldInfo::Source::averages)
       values = averages().at_nodes(values, static_cast<std::size_t>(field.components()));
     results.push_back({&field, std::move(values)});
+    leave_out_rigid_bodies(world_, results.back());
   }
   return results;
 }

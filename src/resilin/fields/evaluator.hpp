@@ -14,7 +14,7 @@
 namespace resilin {
 
 /// The values of a field in one state: `field->components()` numbers for each node of the world, or for each
-/// cell of all bodies one after another.
+/// cell of all bodies one after another. Those of a rigid body are those of its control nodes and their cell.
 struct FieldValues {
   const FieldInfo* field;
   std::vector<double> values;
@@ -26,7 +26,7 @@ struct FieldValues {
 /// (`CellAverages`). `nodal_...`: the L2 projection (`NodalFit`), each body for itself. von Mises stress,
 /// pressure and principal values are those of the mean or smoothed Cauchy stress, so that they agree with the
 /// tensor beside them; averaged ones are means of the cells' von Mises stresses, and so on, and stay within
-/// their range.
+/// their range. A rigid body has displacements and velocities, of all other fields nan.
 class FieldEvaluator {
  public:
   /// @param world     kept by reference

@@ -4,16 +4,15 @@
 #include <cmath>
 
 #include "resilin/mesh/facet.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
 
 /// The least and the greatest number that a place stands for.
-std::pair<double, double> range_at(const FieldValues& field, std::size_t place) {
-  const auto components = static_cast<std::size_t>(field.field->components());
-  const double* values = field.values.data() + place * components;
-  if (field.field->kind == FieldInfo::Kind::principal_values) return {values[2], values[0]};
-  if (field.field->kind == FieldInfo::Kind::scalar) return {values[0], values[0]};
+std::pair<double, double> range_at(const FieldInfo& field, const double* values) {
+  if (field.kind == FieldInfo::Kind::principal_values) return {values[2], values[0]};
+  if (field.kind == FieldInfo::Kind::scalar) return {values[0], values[0]};
   const double length = Eigen::Map<const Vector3>(values).norm();
   return {length, length};
 }
@@ -43,12 +42,13 @@ Extreme located(const World& world, const State& state, bool is_on_nodes, double
   return {};
 }
 
-/// Nodes that no cell uses carry nothing.
+/// Nodes that no cell uses carry nothing, and those of a rigid body stand for its vertices.
 std::vector<bool> is_meant(const World& world, bool is_on_nodes, std::size_t count) {
   std::vector<bool> meant(count, !is_on_nodes);
   if (is_on_nodes)
     for (const Body& body : world.bodies)
-      for (const Index node : body.cells) meant[static_cast<std::size_t>(node)] = true;
+      for (const Index node : body.rigid ? SharedIndices() : body.cells)
+        meant[static_cast<std::size_t>(node)] = true;
   return meant;
 }
 
@@ -59,23 +59,31 @@ std::optional<Extremes> extremes(const World& world, const State& state, const F
   if (field.kind == FieldInfo::Kind::tensor || field.is_direction()) return std::nullopt;
   const std::size_t count = values.values.size() / static_cast<std::size_t>(field.components());
   const std::vector<bool> meant = is_meant(world, field.is_on_nodes(), count);
-  double least = 0, greatest = 0;
-  std::size_t place_of_least = count, place_of_greatest = count;
-  for (std::size_t place = 0; place < count; ++place) {
-    const auto [low, high] = range_at(values, place);
-    if (!meant[place] || !std::isfinite(low) || !std::isfinite(high)) continue;
-    if (place_of_least == count || low < least) {
-      least = low;
-      place_of_least = place;
-    }
-    if (place_of_greatest == count || high > greatest) {
-      greatest = high;
-      place_of_greatest = place;
-    }
+  std::optional<Extremes> found;
+  const auto look_at = [&](const double* numbers, const auto& where) {
+    const auto [low, high] = range_at(field, numbers);
+    if (!std::isfinite(low) || !std::isfinite(high)) return;
+    if (!found) found = Extremes{where(low), where(high)};
+    if (low < found->min.value) found->min = where(low);
+    if (high > found->max.value) found->max = where(high);
+  };
+  const auto width = static_cast<std::size_t>(field.components());
+  for (std::size_t place = 0; place < count; ++place)
+    if (meant[place])
+      look_at(values.values.data() + place * width,
+              [&](double value) { return located(world, state, field.is_on_nodes(), value, place); });
+  for (std::size_t b = 0; field.is_on_nodes() && b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    if (!body.rigid) continue;
+    const std::vector<double> carried =
+        body.rigid->at_vertices(values.values, field.components(), body.first_node);
+    const CarriedPoints points = body.rigid->carried_vertices(body.first_node);
+    for (Index v = 0; v < points.num_points(); ++v)
+      look_at(carried.data() + static_cast<std::size_t>(v) * width, [&](double value) {
+        return Extreme{value, b, v, world.origin + points.at(world.dimension, v, state.positions)};
+      });
   }
-  if (place_of_least == count) return std::nullopt;
-  return Extremes{located(world, state, field.is_on_nodes(), least, place_of_least),
-                  located(world, state, field.is_on_nodes(), greatest, place_of_greatest)};
+  return found;
 }
 
 }  // namespace resilin

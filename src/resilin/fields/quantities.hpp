@@ -60,6 +60,7 @@ struct NodeQuantity {
   std::string_view name, label, text, unit;
   FieldInfo::Kind kind;
   VectorX (*values)(const World& world, const State& state);
+  bool is_motion = false;  ///< all that a rigid body has, at each point that its nodes carry
 };
 std::span<const NodeQuantity> node_quantities();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -69,10 +70,8 @@ class Picture {
     if (surface_.triangles.empty())
       throw InputError("frame", "triangles, quadrilaterals, tetrahedra or hexahedra", "none");
     if (options.shows_rest) rest_ = shape(frame, 0, "rest");
-    if (shows_field())
-      choose_colors();
-    else
-      find_bodies();
+    find_bodies();
+    if (shows_field()) choose_colors();
   }
 
   Image draw() {
@@ -112,6 +111,15 @@ class Picture {
   void find_bodies() {
     const auto found = std::ranges::find(frame_.cell_data, "body", &VtuValues::name);
     if (found != frame_.cell_data.end() && found->components == 1) bodies_ = found->values;
+  }
+
+  /// Numbers of the bodies that have the field: a rigid one has but its motion.
+  std::set<double> bodies_with_values() const {
+    std::set<double> numbers;
+    for (const auto& triangle : surface_.triangles)
+      for (const DrawnSurface::Corner& corner : triangle)
+        if (std::isfinite(value(corner))) numbers.insert(body_of(corner.cell));
+    return numbers;
   }
 
   Color color_of_body(double number) const {
@@ -286,13 +294,17 @@ class Picture {
     for (std::size_t i = 0; i <= steps; ++i)
       colors.push_back(map_color(scale_.map, static_cast<double>(i) / steps));
     const bool is_plain = !shows_field();
+    bool has_field = true;
     const auto shader = [&](double value, double brightness) {
       if (is_plain) return shaded(color_of_body(value), brightness);
+      if (!has_field) return shaded_field(plain_body, brightness);
       if (!std::isfinite(value)) return shaded_field(not_a_number, brightness);
       const double t = std::clamp(scale_.place(value), 0.0, 1.0);
       return shaded_field(colors[static_cast<std::size_t>(std::lround(t * steps))], brightness);
     };
+    const std::set<double> with_values = is_plain ? std::set<double>() : bodies_with_values();
     for (const auto& triangle : surface_.triangles) {
+      has_field = with_values.empty() || with_values.contains(body_of(triangle[0].cell));
       std::array<CanvasVertex, 3> corners;
       for (std::size_t i = 0; i < 3; ++i)
         corners[i] = {

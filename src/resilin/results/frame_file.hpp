@@ -11,7 +11,8 @@ namespace resilin {
 
 /// A state as a frame of a file: the points at their deformed places, the fields on points and cells, and the
 /// number of the body on each cell, and its internal variables. Bodies of one kind of cell stand together,
-/// else in their order.
+/// else in their order. A rigid body has the cells of its mesh; their vertices stand behind the nodes of the
+/// world, among which its control nodes are points without cells.
 VtuContent frame_content(const World& world, const State& state, std::span<const FieldValues> fields);
 
 /// Internal variables of the state of a frame (State::history); empty where the frame has none.

@@ -20,6 +20,7 @@
 #include "resilin/results/saved_run.hpp"
 #include "resilin/results/skinned_frame.hpp"
 #include "resilin/view/header.hpp"
+#include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/shown_colliders.hpp"
 
 namespace resilin {
@@ -65,15 +66,18 @@ bool holds(const VtuContent& content, const std::string& field) {
 constexpr const char* usual_field = "averaged_von_mises";
 
 bool has_skins(const World& world) {
-  return world.dimension == 3 &&
-         std::ranges::any_of(world.bodies, [](const Body& body) { return body.skin != nullptr; });
+  return world.dimension == 3 && std::ranges::any_of(world.bodies, is_shown_by_skin);
 }
 
-/// The range of what is drawn, over all nodes that cells use.
-std::optional<std::array<double, 2>> extremes_of(const World& world, const PictureField& field) {
+bool has_stress(const World& world) {
+  return std::ranges::any_of(world.bodies, [](const Body& body) { return body.rigid == nullptr; });
+}
+
+/// The range of what is drawn, over all points that cells use.
+std::optional<std::array<double, 2>> extremes_of(const VtuContent& frame, const PictureField& field) {
   std::optional<std::array<double, 2>> range;
-  for (const Body& body : world.bodies)
-    for (const Index node : body.cells) {
+  for (const CellBlock& block : frame.file.mesh.blocks)
+    for (const Index node : block.nodes) {
       const double value = field.values[static_cast<std::size_t>(node)];
       if (!std::isfinite(value)) continue;
       if (!range) range = {value, value};
@@ -96,14 +100,14 @@ Image draw_frame(const World& world, const State& state, const VtuContent& frame
   }
   const PictureField field = pick_field(frame, options.field, "field");
   if (!has_skins(world) || !field.is_on_points) return draw_picture(frame, options, colliders);
-  options.extremes = extremes_of(world, field);
+  options.extremes = extremes_of(frame, field);
   options.has_skins = true;
   return draw_picture(with_skins(world, state, frame), options, colliders);
 }
 
 Image draw_state(const World& world, const State& state, const Mesh& colliders, PictureOptions options) {
   // The size of a vibration is arbitrary, and so are its stresses.
-  if (options.field.empty()) options.field = world.modes ? displacement : usual_field;
+  if (options.field.empty()) options.field = world.modes || !has_stress(world) ? displacement : usual_field;
   std::vector<std::string> names = {displacement};
   if (options.field != no_field && base_name(options.field) != names[0])
     names.push_back(base_name(options.field));

@@ -22,11 +22,12 @@ bool has_same_cells(const Mesh& a, const Mesh& b) {
          });
 }
 
-/// dim numbers for each node, of the three that the frame has.
-std::optional<VectorX> nodal_vector(const VtuContent& frame, std::string_view name, int dim) {
+/// dim numbers for each node of a world, the first points of the frame, of the three that it has.
+std::optional<VectorX> nodal_vector(const VtuContent& frame, std::string_view name, const World& world) {
   const auto found = std::ranges::find(frame.point_data, name, &VtuValues::name);
   if (found == frame.point_data.end() || found->components != 3) return std::nullopt;
-  VectorX vector(static_cast<Eigen::Index>(found->values.size()) / 3 * dim);
+  const int dim = world.dimension;
+  VectorX vector(world.rest_positions.size());
   for (Eigen::Index i = 0; i < vector.size(); ++i)
     vector[i] = found->values[static_cast<std::size_t>(i / dim * 3 + i % dim)];
   return vector;
@@ -74,7 +75,7 @@ State state_of_frame(const World& world, const VtuContent& frame, const std::fil
   if (!has_same_cells(frame.file.mesh, frame_content(world, state, {}).file.mesh))
     throw InputError(file.string(), "a frame of the scene in scene.bin", "one with other cells",
                      "run the scene again");
-  const std::optional<VectorX> displacements = nodal_vector(frame, "displacement", world.dimension);
+  const std::optional<VectorX> displacements = nodal_vector(frame, "displacement", world);
   if (displacements && !world.origin.isZero(0)) {
     state.positions += *displacements;
   } else {
@@ -82,7 +83,7 @@ State state_of_frame(const World& world, const VtuContent& frame, const std::fil
       state.positions.segment(Eigen::Index{node} * world.dimension, world.dimension) =
           (frame.file.mesh.vertices[static_cast<std::size_t>(node)] - world.origin).head(world.dimension);
   }
-  if (const std::optional<VectorX> velocities = nodal_vector(frame, "velocity", world.dimension))
+  if (const std::optional<VectorX> velocities = nodal_vector(frame, "velocity", world))
     state.velocities = *velocities;
   state.history = frame_history(world, frame);
   set_shown_time(frame.time.value_or(0), world, state);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "resilin/view/shown_surface.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
@@ -60,7 +61,7 @@ class SkinnedFrame {
     std::size_t cell = 0;
     for (const CellBlock& block : frame_.file.mesh.blocks)
       for (Index i = 0; i < block.num_cells(); ++i, ++cell) {
-        if (world_.bodies[static_cast<std::size_t>(bodies.values[cell])].skin) continue;
+        if (is_shown_by_skin(world_.bodies[static_cast<std::size_t>(bodies.values[cell])])) continue;
         std::vector<Index>& nodes = skinned.file.mesh.block(block.kind).nodes;
         nodes.insert(nodes.end(), block.cell(i).begin(), block.cell(i).end());
         bodies_[block.kind].push_back(bodies.values[cell]);
@@ -105,6 +106,11 @@ class SkinnedFrame {
     for (std::size_t k = 0; k < width; ++k) {
       for (std::size_t node = 0; node < nodal.size(); ++node) nodal[node] = array.values[width * node + k];
       surface_.interpolate(nodal, carried);
+      if (body.rigid) {  // affine maps are exact beyond the control nodes, too
+        for (std::size_t v = 0; v < count; ++v)
+          array.values[begin + width * v + k] = static_cast<double>(carried[first + v]);
+        continue;
+      }
       const auto [least, greatest] = range_of(std::span(nodal).subspan(
           static_cast<std::size_t>(body.first_node), static_cast<std::size_t>(body.num_nodes)));
       for (std::size_t v = 0; v < count; ++v) {

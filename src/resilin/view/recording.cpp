@@ -58,8 +58,10 @@ std::vector<ScalarField> recorded_fields(const World& world) {
   constexpr std::array<std::string_view, 3> always = {"averaged_von_mises", "averaged_volume_ratio",
                                                       "averaged_energy_density"};
   std::vector<ScalarField> recorded;
+  const bool has_stress =
+      std::ranges::any_of(world.bodies, [](const Body& body) { return body.rigid == nullptr; });
   for (const std::string_view name : always)
-    recorded.push_back(require_vertex_field(name, world.dimension, "recording"));
+    if (has_stress) recorded.push_back(require_vertex_field(name, world.dimension, "recording"));
   const std::vector<std::string>& asked = world.output.fields;
   for (ScalarField& field : vertex_fields(world.dimension)) {
     const bool is_there = std::ranges::find(always, field.name) != always.end();

@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "resilin/core/parallel.hpp"
+#include "resilin/element/catalog.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
@@ -79,7 +81,7 @@ ShownSurface::ShownSurface(const World& world, Inside inside) : dim_(world.dimen
       inside == Inside::shown_by_cuts && dim_ == 3 && num_nodes_of_cells(world) <= most_inside_vertices;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (body.skin) {
+    if (is_shown_by_skin(body)) {
       begin_part(body, b, Kind::skin);
       add_skin(body.skin);
       end_part();
@@ -87,16 +89,14 @@ ShownSurface::ShownSurface(const World& world, Inside inside) : dim_(world.dimen
     begin_part(body, b, Kind::cells);
     add_cells(body, with_inside);
     end_part();
+    if (body.rigid) carry_by_control_nodes(world, body);
   }
   normals_ = VertexNormals(triangles_, num_vertices_);
   rest_positions_.resize(static_cast<std::size_t>(num_vertices_) * 3);
   positions(world.rest_positions, rest_positions_);
-  for (std::size_t p = 0; p < parts_.size(); ++p) {  // a skin's own, free of the rounding of its weights
-    if (!sources_[p].skin) continue;
-    const VectorX& rest = sources_[p].skin->rest_positions;
-    for (Eigen::Index i = 0; i < rest.size(); ++i)
-      rest_positions_[static_cast<std::size_t>(3 * parts_[p].first_vertex + i)] = static_cast<float>(rest[i]);
-  }
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    std::ranges::copy(sources_[p].own_rest,
+                      rest_positions_.begin() + std::ptrdiff_t{3} * parts_[p].first_vertex);
 }
 
 void ShownSurface::begin_part(const Body& body, std::size_t number, Kind kind) {
@@ -119,7 +119,9 @@ void ShownSurface::end_part() {
 }
 
 void ShownSurface::add_skin(const std::shared_ptr<const Skin>& skin) {
-  sources_.back().skin = skin;
+  Source& source = sources_.back();
+  source.carrier = std::shared_ptr<const Embedding>(skin, &skin->embedding);
+  for (const double x : skin->rest_positions) source.own_rest.push_back(static_cast<float>(x));
   const auto first = static_cast<std::uint32_t>(num_vertices_);
   const auto vertex = [&](Index i) { return first + static_cast<std::uint32_t>(i); };
   for (Index f = 0; f < skin->facets.num_cells(); ++f) {
@@ -135,7 +137,11 @@ void ShownSurface::add_skin(const std::shared_ptr<const Skin>& skin) {
 
 /// Vertices are the facets' nodes in rising order, then those inside.
 void ShownSurface::add_cells(const Body& body, bool with_inside) {
-  const CellBlock facets = visible_facets({body.cell_kind, body.cells}).facets;
+  const bool is_rigid = body.rigid != nullptr;
+  const CellKind kind = is_rigid ? body.rigid->body.cell_kind : body.cell_kind;
+  const SharedIndices& cells = is_rigid ? body.rigid->body.cells : body.cells;
+  const Index first_node = is_rigid ? 0 : body.first_node;
+  const CellBlock facets = visible_facets({kind, cells}).facets;
   const auto without_doubles = [](std::vector<Index> all) {
     std::ranges::sort(all);
     all.erase(std::ranges::unique(all).begin(), all.end());
@@ -145,20 +151,21 @@ void ShownSurface::add_cells(const Body& body, bool with_inside) {
   nodes = without_doubles(facets.nodes);
   if (with_inside) {
     std::vector<Index> inside;
-    std::ranges::set_difference(without_doubles(body.cells), nodes, std::back_inserter(inside));
+    std::ranges::set_difference(without_doubles(cells), nodes, std::back_inserter(inside));
     parts_.back().num_inside = static_cast<Index>(inside.size());
     nodes.insert(nodes.end(), inside.begin(), inside.end());
   }
-  std::vector<std::uint32_t> vertex_of(static_cast<std::size_t>(body.num_nodes));
+  std::vector<std::uint32_t> vertex_of(
+      static_cast<std::size_t>(is_rigid ? body.rigid->body.num_nodes : body.num_nodes));
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    vertex_of[static_cast<std::size_t>(nodes[i] - body.first_node)] =
+    vertex_of[static_cast<std::size_t>(nodes[i] - first_node)] =
         static_cast<std::uint32_t>(num_vertices_) + static_cast<std::uint32_t>(i);
 
   std::vector<Edge> edges;
   for (Index f = 0; f < facets.num_cells(); ++f) {
     const auto facet = facets.cell(f);
     const auto vertex = [&](int i) {
-      return vertex_of[static_cast<std::size_t>(facet[static_cast<std::size_t>(i)] - body.first_node)];
+      return vertex_of[static_cast<std::size_t>(facet[static_cast<std::size_t>(i)] - first_node)];
     };
     for (const auto& [a, b, c] : pieces_of(facets.kind))
       triangles_.push_back({vertex(a), vertex(b), vertex(c)});
@@ -172,26 +179,45 @@ void ShownSurface::add_cells(const Body& body, bool with_inside) {
   edges.erase(std::ranges::unique(edges).begin(), edges.end());
   edges_.insert(edges_.end(), edges.begin(), edges.end());
   if (with_inside) {
-    const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
-    const std::vector<std::array<int, 4>> pieces = tetrahedra_of(body.cell_kind);
-    for (std::size_t cell = 0; cell < body.cells.size(); cell += width)
+    const auto width = static_cast<std::size_t>(num_nodes(kind));
+    const std::vector<std::array<int, 4>> pieces = tetrahedra_of(kind);
+    for (std::size_t cell = 0; cell < cells.size(); cell += width)
       for (const auto& corners : pieces) {
         Tetrahedron& made = tetrahedra_.emplace_back();
         for (std::size_t i = 0; i < 4; ++i) {
-          const Index node = body.cells[cell + static_cast<std::size_t>(corners[i])];
-          made[i] = vertex_of[static_cast<std::size_t>(node - body.first_node)];
+          const Index node = cells[cell + static_cast<std::size_t>(corners[i])];
+          made[i] = vertex_of[static_cast<std::size_t>(node - first_node)];
         }
       }
   }
   num_vertices_ += static_cast<Index>(nodes.size());
 }
 
+void ShownSurface::carry_by_control_nodes(const World& world, const Body& body) {
+  Source& source = sources_.back();
+  std::vector<Vector3> points;
+  for (const Index vertex : source.nodes)
+    points.push_back(body.rigid->mesh.vertices[static_cast<std::size_t>(vertex)]);
+  source.carrier = std::make_shared<const Embedding>(require_element(body.element, dim_, body.name),
+                                                     body.cells, world.rest_positions, points);
+  for (const Vector3& X : points)
+    for (const double x : X) source.own_rest.push_back(static_cast<float>(x));
+  source.nodes.clear();
+  points.resize(points.size() - static_cast<std::size_t>(parts_.back().num_inside));
+  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+    const Vector3 X = node_position(dim_, node, world.rest_positions);
+    const auto nearest =
+        std::ranges::min_element(points, {}, [&](const Vector3& point) { return (point - X).norm(); });
+    source.nearest[node] = static_cast<Index>(nearest - points.begin());
+  }
+}
+
 void ShownSurface::positions(const VectorX& x, std::span<float> out) const {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const auto part = out.subspan(3 * static_cast<std::size_t>(parts_[p].first_vertex),
                                   3 * static_cast<std::size_t>(parts_[p].num_vertices));
-    if (sources_[p].skin) {
-      sources_[p].skin->embedding.apply(x, part);
+    if (sources_[p].carrier) {
+      sources_[p].carrier->apply(x, part);
       continue;
     }
     const std::vector<Index>& nodes = sources_[p].nodes;
@@ -210,8 +236,8 @@ void ShownSurface::interpolate(std::span<const double> nodal_values, std::span<f
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const auto part = out.subspan(static_cast<std::size_t>(parts_[p].first_vertex),
                                   static_cast<std::size_t>(parts_[p].num_vertices));
-    if (sources_[p].skin) {
-      sources_[p].skin->embedding.interpolate(nodal_values, part);
+    if (sources_[p].carrier) {
+      sources_[p].carrier->interpolate(nodal_values, part);
       continue;
     }
     for (std::size_t v = 0; v < part.size(); ++v)
@@ -224,14 +250,16 @@ MaterialPoint ShownSurface::material_point(Index vertex) const {
       parts_, [&](const Part& part) { return vertex < part.first_vertex + part.num_vertices; });
   const Index local = vertex - after->first_vertex;
   const Source& source = sources_[static_cast<std::size_t>(after - parts_.begin())];
-  if (!source.skin) return {{source.nodes[static_cast<std::size_t>(local)]}, {1.0}};
-  const auto nodes = source.skin->embedding.nodes(local);
-  const auto weights = source.skin->embedding.weights(local);
+  if (!source.carrier) return {{source.nodes[static_cast<std::size_t>(local)]}, {1.0}};
+  const auto nodes = source.carrier->nodes(local);
+  const auto weights = source.carrier->weights(local);
   return {{nodes.begin(), nodes.end()}, {weights.begin(), weights.end()}};
 }
 
 std::optional<Index> ShownSurface::vertex_of(Index node) const {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
+    if (const auto nearest = sources_[p].nearest.find(node); nearest != sources_[p].nearest.end())
+      return parts_[p].first_vertex + nearest->second;
     const auto& nodes = sources_[p].nodes;
     const auto inside = nodes.end() - parts_[p].num_inside;  // both halves rise
     for (const auto& [begin, end] : {std::pair(nodes.begin(), inside), std::pair(inside, nodes.end())}) {

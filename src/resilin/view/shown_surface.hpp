@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,8 +16,8 @@
 namespace resilin {
 
 /// Drawn surfaces of a moving world (docs/view_protocol.md): of each body the surface of its cells (in 2D the
-/// cells themselves), and its skin when it has one. Vertices, triangles and edges are numbered over all
-/// parts; every vertex belongs to one of them or to a tetrahedron.
+/// cells themselves), and its skin when it has one. Cells of a rigid body are those of its mesh. Vertices,
+/// triangles and edges are numbered over all parts; every vertex belongs to one of them or to a tetrahedron.
 ///
 /// Facets of second order are cut into four flat triangles at the nodes in the middle of their edges,
 /// quadrilaterals into two. What is inside, for a cut to show, are tetrahedra between the nodes: cells of
@@ -66,10 +67,11 @@ class ShownSurface {
   }
 
   /// Where a vertex is in the material, for a hand to pull there: of the cells it is the node itself; of a
-  /// smooth skin the part that is linear in each cell.
+  /// smooth skin the part that is linear in each cell; of a rigid body what its control nodes carry.
   MaterialPoint material_point(Index vertex) const;
 
-  /// The vertex of the cells that is this node of the world; none where the inside is not shown.
+  /// The vertex of the cells that is this node of the world, for a control node the nearest one; none where
+  /// the inside is not shown.
   std::optional<Index> vertex_of(Index node) const;
 
   /// Whether a vertex belongs to what is seen, not to the inside.
@@ -96,12 +98,15 @@ class ShownSurface {
  private:
   void add_skin(const std::shared_ptr<const Skin>& skin);
   void add_cells(const Body& body, bool with_inside);
+  void carry_by_control_nodes(const World& world, const Body& body);
   void begin_part(const Body& body, std::size_t number, Kind kind);
   void end_part();
   /// Where the vertices of a part come from.
   struct Source {
-    std::shared_ptr<const Skin> skin;  ///< null for cells
-    std::vector<Index> nodes;          ///< nodes of cells: the world's node of each vertex
+    std::shared_ptr<const Embedding> carrier;  ///< carrier of a skin and of a rigid body; else null
+    std::vector<Index> nodes;                  ///< nodes of cells: the world's node of each vertex
+    std::vector<float> own_rest;               ///< at rest, without the rounding of a carrier's weights
+    std::map<Index, Index> nearest;            ///< to the control nodes of a rigid body: vertices of the part
   };
 
   int dim_ = 3;

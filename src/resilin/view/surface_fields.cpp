@@ -26,7 +26,8 @@ SurfaceFields::SurfaceFields(const World& world, const ShownSurface& surface)
       averages_(std::make_shared<const CellAverages>(world)) {
   for (const Body& body : world.bodies) {
     const auto begin = static_cast<std::size_t>(body.first_node);
-    nodes_of_.push_back({begin, begin + static_cast<std::size_t>(body.num_nodes)});
+    nodes_of_.push_back({begin, begin + static_cast<std::size_t>(body.num_nodes), body.rigid != nullptr});
+    has_rigid_bodies_ = has_rigid_bodies_ || body.rigid != nullptr;
   }
 }
 
@@ -55,14 +56,31 @@ void SurfaceFields::carry(const ScalarField& field, const FieldValues& values, s
     for (std::size_t node = begin; node < end; ++node) nodal_[node] = field.at(values.values, node);
   });
   surface_.interpolate(nodal_, out);
+  if (has_rigid_bodies_ && field.component < 0 && field.field->kind == FieldInfo::Kind::vector)
+    carry_lengths(values, out);
   keep_skins_within_their_bodies(out);
   for (float& value : out)
     if (!std::isfinite(value)) value = std::numeric_limits<float>::quiet_NaN();
 }
 
+void SurfaceFields::carry_lengths(const FieldValues& values, std::span<float> out) {
+  std::vector<float> component(out.size()), squares(out.size(), 0.0F);
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t node = 0; node < nodal_.size(); ++node) nodal_[node] = values.values[3 * node + k];
+    surface_.interpolate(nodal_, component);
+    for (std::size_t v = 0; v < out.size(); ++v) squares[v] += component[v] * component[v];
+  }
+  for (const ShownSurface::Part& part : surface_.parts()) {
+    if (!nodes_of_[part.body].is_rigid) continue;
+    for (auto v = static_cast<std::size_t>(part.first_vertex);
+         v < static_cast<std::size_t>(part.first_vertex + part.num_vertices); ++v)
+      out[v] = std::sqrt(squares[v]);
+  }
+}
+
 void SurfaceFields::keep_skins_within_their_bodies(std::span<float> out) const {
   for (const ShownSurface::Part& part : surface_.parts()) {
-    if (part.kind != ShownSurface::Kind::skin) continue;
+    if (part.kind != ShownSurface::Kind::skin || nodes_of_[part.body].is_rigid) continue;
     auto least = std::numeric_limits<float>::infinity(), greatest = -least;
     for (std::size_t node = nodes_of_[part.body].begin; node < nodes_of_[part.body].end; ++node) {
       if (!std::isfinite(nodal_[node])) continue;

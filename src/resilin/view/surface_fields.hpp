@@ -14,7 +14,8 @@ namespace resilin {
 
 /// Fields at the vertices of a shown surface, of those that have a value at each node (`vertex_fields`). A
 /// skin takes its numbers from the nodes by its weights, and none beyond those of its body's nodes: a vertex
-/// that stands out of the cells has no more than what is in them.
+/// that stands out of the cells has no more than what is in them. At rigid bodies vectors are those of the
+/// motion, which their control nodes carry exactly.
 class SurfaceFields {
  public:
   /// @param surface  kept by reference
@@ -35,14 +36,18 @@ class SurfaceFields {
 
  private:
   void carry(const ScalarField& field, const FieldValues& values, std::span<float> out);
+  /// Lengths of vectors at rigid bodies: what is carried are components.
+  void carry_lengths(const FieldValues& values, std::span<float> out);
   void keep_skins_within_their_bodies(std::span<float> out) const;
 
   struct NodeRange {
     std::size_t begin, end;
+    bool is_rigid;
   };
   const ShownSurface& surface_;
   std::vector<NodeRange> nodes_of_;  ///< by body
-  std::vector<double> nodal_;        ///< by node of the world
+  bool has_rigid_bodies_ = false;
+  std::vector<double> nodal_;  ///< by node of the world
   std::shared_ptr<const CellAverages> averages_;
 };
 

@@ -11,6 +11,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/output_file.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
@@ -155,7 +156,7 @@ void UsdaWriter::write(std::ostream& stream, const std::string& title, double co
   if (!world_.origin.isZero(0)) put_translation(text, world_.origin);
   std::set<std::string> names;
   for (const ShownSurface::Part& part : surface_.parts()) {
-    if (part.kind == ShownSurface::Kind::cells && world_.bodies[part.body].skin) continue;
+    if (part.kind == ShownSurface::Kind::cells && is_shown_by_skin(world_.bodies[part.body])) continue;
     std::string name = usd_identifier(part.name);
     while (!names.insert(name).second) name += '_';
     text +=

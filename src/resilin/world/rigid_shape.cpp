@@ -237,6 +237,7 @@ class Maker {
     const Moduli moduli = moduli_of(given, rigid, density, extent);
     shape->contact_modulus = moduli.of_contact;
     shape->modulus = moduli.of_stretching;
+    shape->has_own_skin = given.skin.has_value();
     describe(given, *shape, moduli.of_stretching, made);
     return shape;
   }
@@ -397,6 +398,19 @@ CarriedPoints RigidShape::carried_vertices(Index first_node) const {
   return points;
 }
 
+std::vector<double> RigidShape::at_vertices(std::span<const double> nodal, int components,
+                                            Index first_node) const {
+  const CarriedPoints points = carried_vertices(first_node);
+  const auto width = static_cast<std::size_t>(components);
+  std::vector<double> values(mesh.vertices.size() * width, 0.0);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    points.for_each_node(static_cast<Index>(v), [&](Index node, double share) {
+      for (std::size_t k = 0; k < width; ++k)
+        values[v * width + k] += share * nodal[static_cast<std::size_t>(node) * width + k];
+    });
+  return values;
+}
+
 std::vector<Index> RigidShape::nodes_held_by(const std::vector<Index>& vertices) const {
   const Hull hull = hull_of(*this, vertices, extent_of(*this));
   const bool holds_all = static_cast<int>(hull.directions.size()) >= dimension() - 1;
@@ -404,6 +418,10 @@ std::vector<Index> RigidShape::nodes_held_by(const std::vector<Index>& vertices)
   for (Index a = 0; a < (holds_all ? static_cast<Index>(control_nodes.size()) : num_held); ++a)
     nodes.push_back(a);
   return nodes;
+}
+
+bool is_shown_by_skin(const Body& body) {
+  return body.skin != nullptr && (!body.rigid || body.rigid->has_own_skin);
 }
 
 bool has_consistent_mass(const Body& body) {

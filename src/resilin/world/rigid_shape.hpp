@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct RigidShape {
   VectorX centre_shares;       ///< shares of the control nodes in the centre of mass
   double modulus = 0;          ///< Young's modulus against stretching [Pa]
   double contact_modulus = 0;  ///< stands in contact for Young's modulus [Pa]
+  bool has_own_skin = false;   ///< the scene gives a surface beside the mesh, or in its place
 
   int dimension() const { return element->dim; }
   /// Whether the mass matrix is diagonal.
@@ -35,6 +37,8 @@ struct RigidShape {
   VectorX weights(const Vector3& X) const;
   /// All vertices, carried by the control nodes, of which this is the number of the first.
   CarriedPoints carried_vertices(Index first_node) const;
+  /// The same shares of numbers: `components` for each vertex from as many for each node of the world.
+  std::vector<double> at_vertices(std::span<const double> nodal, int components, Index first_node) const;
   /// The control nodes that a support of these vertices fixes: all for vertices of a plane (in 2D a line) or
   /// of more, else those that span them.
   std::vector<Index> nodes_held_by(const std::vector<Index>& vertices) const;
@@ -54,6 +58,10 @@ bool has_rigid_bodies(const Description& description);
 /// nodes
 ///                     can span
 RigidBodies with_control_nodes(const Description& description, std::vector<std::string>& warnings);
+
+/// Whether a body is shown by its skin: that of a rigid body is the surface of its mesh, unless the scene
+/// gives one.
+bool is_shown_by_skin(const Body& body);
 
 /// Adds the mass of a body times a factor: that of its cells, or of a rigid body's control nodes.
 void add_body_masses(MassMatrix& mass, const Body& body, const VectorX& rest_positions, double factor);
