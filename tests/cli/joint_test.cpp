@@ -253,5 +253,154 @@ TEST_F(Cables, PullWithOneTensionOrByALength) {
   EXPECT_NEAR(double(frames_of(by_length).back()["cables"]["cable"]["force"]), 5, 0.01);
 }
 
+/// A box on a ball joint, which spins about its axis of symmetry and falls to the side.
+const std::string heavy_top = R"(
+[simulation]
+kind = "dynamic"
+gravity = [0, 0, -9.81]
+time_step = 0.001
+end_time = 0.25
+integrator = "newmark"
+
+[[body]]
+name = "top"
+mesh = { box = { size = [0.2, 0.2, 0.1], cells = [1, 1, 1], origin = [-0.1, -0.1, 0.1] } }
+rotate = [1, 0, 0, 28.64788975654116]
+rigid = { density = 1000 }
+velocity_gradient = [[0, -52.654953713422362, -28.765532316252180], [52.654953713422362, 0, 0],
+                     [28.765532316252180, 0, 0]]
+
+[[joint]]
+name = "pivot"
+kind = "ball"
+bodies = ["top"]
+at = [0, 0, 0]
+)";
+
+// The place of its axis by Runge and Kutta's method.
+TEST_F(Joints, CarryAHeavyTop) {
+  const json start = frames_of(heavy_top).front(), end = frames_of(heavy_top).back();
+  const Vector3 axis(0.616174382078993, -0.5305256786804292, 0.582126820486946);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(double(end["rigid_bodies"]["top"]["position"][i]) / 0.15, axis[static_cast<Eigen::Index>(i)],
+                5e-4);
+  const double energy = start["energy"]["total"];
+  EXPECT_NEAR(energy, 48, 1e-9);
+  EXPECT_NEAR(double(end["energy"]["total"]), energy, 5e-3 * energy);
+}
+
+/// A crank of 0.1 m that turns at 20 rad/s, a connecting rod of 0.25 m and a slider, which a [[fix]] leads.
+const std::string slider_crank = R"(
+[simulation]
+kind = "dynamic"
+dimension = 2
+time_step = 0.001
+end_time = 0.2
+integrator = "tr_bdf2"
+
+[[body]]
+name = "crank"
+mesh = { box = { size = [0.1, 0.001], cells = [1, 1], origin = [0, -0.0005] } }
+rotate = [17.188733853924695]
+rigid = { density = 5000 }
+velocity_gradient = [[0, -20], [20, 0]]
+
+[[body]]
+name = "rod"
+mesh = { box = { size = [0.25, 0.001], cells = [1, 1], origin = [0, -0.0005] } }
+rotate = [-6.78869720193759]
+translate = [0.09553364891256061, 0.029552020666133955]
+rigid = { density = 1600 }
+velocity = [-0.8184921013887929, 2.6459624516095843]
+velocity_gradient = [[0, 7.69665433831972], [-7.69665433831972, 0]]
+
+[[body]]
+name = "slider"
+mesh = { box = { size = [0.02, 0.02], cells = [1, 1], origin = [0.333780860527411, -0.01] } }
+rigid = { density = 2000 }
+velocity = [-0.8184921013887929, 0]
+
+[[fix]]
+body = "slider"
+where = { group = "y_min" }
+components = "y"
+
+[[joint]]
+name = "shaft"
+kind = "hinge"
+bodies = ["crank"]
+at = [0, 0]
+
+[[joint]]
+kind = "hinge"
+bodies = ["crank", "rod"]
+at = [0.09553364891256061, 0.029552020666133955]
+
+[[joint]]
+kind = "hinge"
+bodies = ["rod", "slider"]
+at = [0.343780860527411, 0]
+)";
+
+// Places by Runge and Kutta's method.
+TEST_F(Joints, MoveASliderByACrank) {
+  const json frames = frames_of(slider_crank);
+  const auto place = [&](double time) {
+    return double(
+        frames[static_cast<std::size_t>(time / 0.001 + 0.5)]["rigid_bodies"]["slider"]["position"][0]);
+  };
+  EXPECT_NEAR(place(0.05), 0.28858137105659587, 5e-5);
+  EXPECT_NEAR(place(0.2), 0.1515818411473112, 5e-5);
+  const double energy = frames[0]["energy"]["total"];
+  EXPECT_NEAR(energy, 0.9448844766771384, 1e-4);
+  for (const json& frame : frames) EXPECT_NEAR(double(frame["energy"]["total"]), energy, 3e-3 * energy);
+}
+
+/// An arm of two boxes, of 1 kg each, that stands out from a wall.
+const std::string arm = R"(
+[simulation]
+gravity = [0, 0, -10]
+
+[[body]]
+name = "one"
+mesh = { box = { size = [0.1, 0.1, 0.1], cells = [1, 1, 1] } }
+rigid = { density = 1000 }
+
+[[body]]
+name = "two"
+mesh = { box = { size = [0.1, 0.1, 0.1], cells = [1, 1, 1], origin = [0.1, 0, 0] } }
+rigid = { density = 1000 }
+
+[[joint]]
+name = "wall"
+kind = "fixed"
+bodies = ["one"]
+at = [0, 0.05, 0.05]
+
+[[joint]]
+name = "elbow"
+kind = "hinge"
+bodies = ["one", "two"]
+at = [0.1, 0.05, 0.05]
+axis = [0, 1, 0]
+motor = { position = 0 }
+)";
+
+TEST_F(Joints, HoldAChainInStatics) {
+  const json frame = frames_of(arm).back();
+  const json wall = frame["joints"]["wall"], elbow = frame["joints"]["elbow"];
+  EXPECT_NEAR(double(wall["force"][2]), 20, 1e-6);
+  EXPECT_NEAR(double(wall["moment"][1]), -10 * 0.05 - 10 * 0.15, 1e-5);
+  EXPECT_NEAR(double(elbow["force"][2]), -10, 1e-6);  // on the first one
+  EXPECT_NEAR(double(elbow["moment"][1]), 10 * 0.05, 1e-5);
+  EXPECT_NEAR(double(elbow["value"]), 0, 1e-4);
+  folder.write("free.toml", arm.substr(0, arm.find("motor")));
+  const ProgramResult free = run_program(folder.path(), {"run", "free.toml"});
+  EXPECT_EQ(free.exit_code, 1);
+  EXPECT_THAT(free.err,
+              HasSubstr("body \"two\" is not constrained: 1 of 6 rigid-body motions are free in a static "
+                        "analysis: rotation about y through (0.1, 0.05, 0.05)"));
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -1,5 +1,6 @@
 // Properties that every term of a world must have: each kind of load, each collider's shape, strain energies
-// of every element, gravity, inertia and damping. They walk the catalogues, so that a new entry is here.
+// of every element, gravity, inertia and damping, distances and motors of joints, springs and cables. They
+// walk the catalogues, so that a new entry is here.
 
 #include <gtest/gtest.h>
 
@@ -20,6 +21,8 @@ namespace resilin::testing {
 namespace {
 
 constexpr double step_length = 0.01;  // [s]
+
+void add_arm(Description& scene);
 
 /// A bar in motion with a load of every kind on its end, all colliders near its underside, another bar above
 /// it, and damping.
@@ -78,7 +81,59 @@ Description crowded_scene(int dimension, const std::string& element) {
   scene.bodies.push_back(other);
   scene.contact.activation_distance = 0.1;
   scene.contact.friction = 0.3;
+  add_arm(scene);
   return scene;
+}
+
+/// A rigid arm far from the bars, with a motor that turns it, a rod, springs and cables.
+void add_arm(Description& scene) {
+  const int dimension = scene.dimension;
+  const Vector3 at = 3 * Vector3::Unit(dimension - 1);
+  const auto place = [&at](double x, double y) { return Vector3(at + Vector3(x, y, 0)); };
+  BodyDescription arm;
+  arm.name = "arm";
+  arm.mesh = dimension == 3 ? make_box({0.5, 0.3, 0.3}, {1, 1, 1}) : make_rectangle({0.5, 0.3}, {1, 1});
+  arm.translate = at;
+  arm.rigid = RigidDescription{.density = 1000};
+  scene.bodies.push_back(arm);
+  const TimeFunction swings{.form =
+                                TimeFunction::Sine{.frequency = 3, .amplitude = 1, .phase = 20, .offset = 2}};
+  JointDescription hinge, rod;
+  hinge.name = "motor";
+  hinge.kind = JointKind::hinge;
+  hinge.motor = MotorDescription{.position = 0.4, .stiffness = 50, .time_function = swings};
+  rod.name = "rod";
+  rod.kind = JointKind::distance;
+  hinge.bodies = rod.bodies = {"arm"};
+  hinge.at = at;
+  rod.at = place(0.5, 0);
+  rod.to = place(0.7, 0.3);
+  scene.joints = {hinge, rod};
+  AnchorDescription on_arm, on_bar, on_ground;
+  on_arm.body = "arm";
+  on_arm.at = place(0.4, 0.1);
+  on_bar.body = "other";
+  on_bar.at = {1, 0, 0};
+  on_ground.at = place(0.2, 0.5);
+  const auto add = [](const char* name, const std::vector<AnchorDescription>& points,
+                      std::vector<CableDescription>& list) -> CableDescription& {
+    list.emplace_back().name = name;
+    list.back().points = points;
+    list.back().stiffness = 30;
+    return list.back();
+  };
+  add("stretched spring", {on_arm, on_bar}, scene.springs).rest_length = 1;
+  add("pressed spring", {on_arm, on_bar}, scene.springs).rest_length = 5;
+  CableDescription& slack = add("slack spring", {on_arm, on_bar}, scene.springs);
+  slack.rest_length = 5;
+  slack.tension_only = true;
+  CableDescription& pulled = add("pulled cable", {on_ground, on_arm, on_bar}, scene.cables);
+  pulled.tension = 4;
+  pulled.time_function = swings;
+  CableDescription& shortened = add("shortened cable", {on_ground, on_arm, on_bar}, scene.cables);
+  shortened.shortening = 0.3;
+  shortened.tension_only = true;
+  shortened.time_function = swings;
 }
 
 struct TermCase {
@@ -96,6 +151,7 @@ World world_of(const TermCase& c) {
   Description scene = crowded_scene(c.dimension, c.element);
   if (c.is_viscoelastic)
     for (BodyDescription& body : scene.bodies) {
+      if (body.rigid) continue;
       body.material.law = "neo_hookean_simo";
       body.material.viscoelastic = {.g = {0.4, 0.3}, .tau = {0.005, 1}};
     }

@@ -223,5 +223,64 @@ TEST(AStaticBody, HasAsManyFreeMotionsAsItsSupportsLeave) {
   EXPECT_LT(num_held, 55);
 }
 
+/// Rigid rods of 1 m along x, each joined to the last one by this kind of joint, the first one to the ground.
+Description chain_of_rods(int dimension, const std::vector<JointKind>& kinds) {
+  Description scene = loose_bar(dimension);
+  const BodyDescription rod = scene.bodies[0];
+  scene.bodies.clear();
+  scene.probes.clear();
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    scene.bodies.push_back(rod);
+    BodyDescription& body = scene.bodies.back();
+    body.name = "rod " + std::to_string(i + 1);
+    body.translate.x() = static_cast<double>(i);
+    body.rigid = RigidDescription{.density = 1000};
+    JointDescription joint;
+    joint.kind = kinds[i];
+    joint.bodies = {body.name};
+    if (i > 0) joint.bodies.insert(joint.bodies.begin(), scene.bodies[i - 1].name);
+    joint.at = {static_cast<double>(i), 0, 0};
+    scene.joints.push_back(joint);
+  }
+  return scene;
+}
+
+TEST(AStaticChain, IsHeldThroughItsJoints) {
+  using enum JointKind;
+  for (const int dimension : {2, 3}) {
+    EXPECT_EQ(refusal_of(chain_of_rods(dimension, {fixed})), "");
+    EXPECT_EQ(refusal_of(chain_of_rods(dimension, {fixed, fixed, fixed})), "");
+    // A hinge at the end takes from two rods what one cannot bear.
+    Description arch = chain_of_rods(dimension, {hinge, hinge});
+    arch.bodies[1].translate.y() = -0.2;  // not in a line
+    JointDescription end = arch.joints[0];
+    end.bodies = {"rod 2"};
+    end.at = {2, -0.2, 0};
+    arch.joints.push_back(end);
+    EXPECT_EQ(refusal_of(arch), "");
+    Description held_by_motors = chain_of_rods(dimension, {hinge, hinge, fixed});
+    for (std::size_t i : {0, 1})
+      held_by_motors.joints[i].motor =
+          MotorDescription{.position = 0.1, .stiffness = {}, .time_function = {}};
+    EXPECT_EQ(refusal_of(held_by_motors), "");
+  }
+}
+
+TEST(AStaticChain, OfWhichAPartCanMoveIsRefused) {
+  using enum JointKind;
+  EXPECT_THAT(
+      refusal_of(chain_of_rods(2, {fixed, hinge, fixed})),
+      AllOf(HasSubstr("body \"rod 2\" is not constrained: 1 of 3 rigid-body motions are free in a static "
+                      "analysis: rotation about (1, 0); \"rod 3\" moves with it; add"),
+            HasSubstr("joints, springs and motors hold bodies, too")));
+  EXPECT_THAT(refusal_of(chain_of_rods(3, {hinge, hinge})),
+              HasSubstr("body \"rod 1\" is not constrained: 1 of 6 rigid-body motions are free in a static "
+                        "analysis: rotation about z through (0, 0, 0.125); \"rod 2\" moves with it"));
+  EXPECT_THAT(refusal_of(chain_of_rods(3, {ball})), HasSubstr("3 of 6"));
+  Description loose = chain_of_rods(3, {fixed, fixed});
+  loose.joints.erase(loose.joints.begin());
+  EXPECT_THAT(refusal_of(loose), HasSubstr("body \"rod 1\" is not constrained: 6 of 6"));
+}
+
 }  // namespace
 }  // namespace resilin::testing

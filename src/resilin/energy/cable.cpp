@@ -96,8 +96,9 @@ void Cable::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradien
 
 void Cable::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
   const double l = length(x);
+  const double shortened = std::abs(law_.shortening * law_.function.factor(c.time, c.load));
   const double tension =
-      law_.tension ? std::abs(slope(l, c)) : law_.stiffness * (l + std::abs(law_.rest_length));
+      law_.tension ? std::abs(slope(l, c)) : law_.stiffness * (l + std::abs(law_.rest_length) + shortened);
   const std::vector<Vector3> vectors = pieces(x);
   for (std::size_t i = 0; i < vectors.size(); ++i) {
     const double norm = vectors[i].norm();

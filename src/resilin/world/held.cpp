@@ -187,14 +187,24 @@ std::string cure(int dim, bool shifts, bool turns) {
   return text + "; or let simulation.kind be \"dynamic\"";
 }
 
+Components components_of(const Body& body) {
+  CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
+  for (Index& node : block.nodes) node -= body.first_node;
+  return connected_components(block, body.num_nodes);
+}
+
+/// Motions of a part at a node, with lengths in units of the part's size, so that all motions count alike.
+RigidMotions motions_of(const World& world, const Part& part, Index node) {
+  const Vector3 X = node_position(world.dimension, node, world.rest_positions);
+  return rigid_motions(world.dimension, (X - part.center) / part.size);
+}
+
 /// One part for each connected component of the body, with what holds it.
 std::vector<Part> parts_of(const World& world, const Body& body, const std::vector<std::uint8_t>& is_held,
                            const std::vector<const HeldDirection*>& held_directions) {
   const int dim = world.dimension;
   const int num_motions = dim == 3 ? 6 : 3;
-  CellBlock block{.kind = body.cell_kind, .nodes = body.cells};
-  for (Index& node : block.nodes) node -= body.first_node;
-  const Components components = connected_components(block, body.num_nodes);
+  const Components components = components_of(body);
   std::vector<Part> parts(static_cast<std::size_t>(components.count));
   const auto for_each_vertex = [&](const auto& visit) {
     for (Index v = 0; v < body.num_nodes; ++v) {
@@ -211,12 +221,8 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
     part.size = std::max(part.size, (node_position(dim, node, world.rest_positions) - part.center).norm());
   });
   for (Part& part : parts) part.gram = Eigen::MatrixXd::Zero(num_motions, num_motions);
-  /// Lengths in units of the part's size, so that all motions count alike.
-  const auto motions_of = [&](const Part& part, Index node) {
-    return rigid_motions(dim, (node_position(dim, node, world.rest_positions) - part.center) / part.size);
-  };
   for_each_vertex([&](Part& part, Index node) {
-    const RigidMotions motions = motions_of(part, node);
+    const RigidMotions motions = motions_of(world, part, node);
     for (int k = 0; k < dim; ++k) {
       if (is_held[static_cast<std::size_t>(node * dim + k)] == 0) continue;
       part.gram += motions.row(k).transpose() * motions.row(k);
@@ -234,7 +240,7 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
       is_of_one_part = is_of_one_part && (number < 0 || own == number);
       number = own;
       motion += weight * held->direction.head(dim).transpose() *
-                motions_of(parts[static_cast<std::size_t>(own)], node);
+                motions_of(world, parts[static_cast<std::size_t>(own)], node);
     }
     if (number < 0 || !is_of_one_part) continue;
     parts[static_cast<std::size_t>(number)].gram += motion.transpose() * motion;
@@ -279,6 +285,121 @@ std::vector<LooseBody> loose_bodies(const World& world, const std::vector<std::u
   }
 }
 
+/// A part of a body that is not held by itself, among those that are joined with it.
+struct FreePart {
+  const LooseBody* loose;
+  std::size_t number;
+  std::size_t group;  ///< number of the part that stands for all that are joined
+};
+
+/// Parts of loose bodies, and what holds them beside each other.
+class JoinedParts {
+ public:
+  JoinedParts(const World& world, const std::vector<LooseBody>& loose) : world_(world) {
+    for (const LooseBody& one : loose) {
+      components_.push_back(components_of(*one.body));
+      for (std::size_t p = 0; p < one.parts.size(); ++p)
+        if (num_free_motions(dense::symmetric_eigenpairs(one.parts[p].gram)) > 0) {
+          number_of_[{one.body, static_cast<Index>(p)}] = parts_.size();
+          parts_.push_back({&one, p, parts_.size()});
+        }
+      component_of_[one.body] = components_.size() - 1;
+    }
+  }
+
+  void add(const HeldDirection& held) {
+    std::map<std::size_t, Eigen::RowVectorXd> row;
+    for (const auto& [node, weight] : held.nodes) {
+      const Body& body = world_.body_of(node);
+      const auto components = component_of_.find(&body);
+      if (components == component_of_.end()) continue;
+      const Index own =
+          components_[components->second].of_vertex[static_cast<std::size_t>(node - body.first_node)];
+      const auto number = number_of_.find({&body, own});
+      if (number == number_of_.end()) continue;
+      const Part& part = part_of(parts_[number->second]);
+      Eigen::RowVectorXd& motion =
+          row.try_emplace(number->second, Eigen::RowVectorXd::Zero(part.gram.rows())).first->second;
+      motion += weight * held.direction.head(world_.dimension).transpose() * motions_of(world_, part, node);
+    }
+    if (row.empty()) return;
+    const std::size_t to = group_of(row.begin()->first);
+    for (const auto& [number, motion] : row) parts_[group_of(number)].group = to;
+    rows_.push_back(std::move(row));
+  }
+
+  struct Group {
+    std::vector<const FreePart*> parts;
+    Eigen::MatrixXd free;  ///< columns: motions of all parts, one after another, that nothing holds
+  };
+  /// Those that can move.
+  std::vector<Group> free_groups() {
+    std::map<std::size_t, std::vector<std::size_t>> members;
+    for (std::size_t i = 0; i < parts_.size(); ++i) members[group_of(i)].push_back(i);
+    std::vector<Group> groups;
+    for (const auto& [number, of_group] : members) {
+      const Eigen::Index size = part_of(parts_[of_group.front()]).gram.rows();
+      const auto count = static_cast<Eigen::Index>(of_group.size());
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count * size, count * size);
+      std::map<std::size_t, Eigen::Index> begin;
+      Group group;
+      for (const std::size_t i : of_group) {
+        const auto first = static_cast<Eigen::Index>(begin.size()) * size;
+        begin[i] = first;
+        gram.block(first, first, size, size) = part_of(parts_[i]).gram;
+        group.parts.push_back(&parts_[i]);
+      }
+      for (const auto& row : rows_) {
+        if (!begin.contains(row.begin()->first)) continue;
+        for (const auto& [i, left] : row)
+          for (const auto& [j, right] : row)
+            gram.block(begin.at(i), begin.at(j), size, size) += left.transpose() * right;
+      }
+      const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(gram);
+      const Eigen::Index num_free = num_free_motions(eigen);
+      group.free = eigen.vectors.leftCols(num_free);
+      if (num_free > 0) groups.push_back(std::move(group));
+    }
+    return groups;
+  }
+
+  static const Part& part_of(const FreePart& part) { return part.loose->parts[part.number]; }
+
+ private:
+  std::size_t group_of(std::size_t number) const {
+    while (parts_[number].group != number) number = parts_[number].group;
+    return number;
+  }
+
+  const World& world_;
+  std::vector<FreePart> parts_;
+  std::vector<Components> components_;
+  std::map<const Body*, std::size_t> component_of_;
+  std::map<std::pair<const Body*, Index>, std::size_t> number_of_;
+  std::vector<std::map<std::size_t, Eigen::RowVectorXd>> rows_;
+};
+
+/// An orthonormal basis of what the columns span.
+Eigen::MatrixXd range_of(const Eigen::MatrixXd& columns) {
+  const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(columns * columns.transpose());
+  const Eigen::Index rank =
+      (eigen.values.array() > round_off * std::max(eigen.values.maxCoeff(), 1e-300)).count();
+  return eigen.vectors.rightCols(rank);
+}
+
+/// A motor holds the angle of its joint.
+void add_motor_directions(const World& world, std::vector<HeldDirection>& held) {
+  const int dim = world.dimension;
+  for (const Joint& joint : world.joints) {
+    if (!joint.motor) continue;
+    const Vector3 across =
+        joint.fixed.across.at(dim, world.rest_positions) - joint.fixed.at.at(dim, world.rest_positions);
+    HeldDirection direction{.nodes = joint.turned.along.nodes, .direction = across.normalized()};
+    for (const auto& [node, weight] : joint.fixed.along.nodes) direction.nodes.push_back({node, -weight});
+    held.push_back(std::move(direction));
+  }
+}
+
 /// Relations between components of one direction hold what follows beside what it follows.
 void add_constraint_directions(const World& world, std::vector<HeldDirection>& held) {
   if (!world.constraints) return;
@@ -305,29 +426,46 @@ void check_is_held(const World& world) {
   std::vector<HeldDirection> held_directions;
   for (const auto& term : world.terms) term->add_held_directions(world.start_positions, held_directions);
   add_constraint_directions(world, held_directions);
-  for (const LooseBody& loose : loose_bodies(world, is_held, held_directions)) {
-    const Body& body = *loose.body;
-    for (std::size_t p = 0; p < loose.parts.size(); ++p) {
-      const Part& part = loose.parts[p];
-      const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(part.gram);
-      const Eigen::Index num_free = num_free_motions(eigen);
-      if (num_free == 0) continue;
-      std::string where = "body \"" + body.name + "\"";
-      if (loose.parts.size() > 1) {
-        where += ", component " + std::to_string(p + 1) + " (" + std::to_string(part.num_vertices) +
-                 " vertices around " + world.place_text(world.origin + part.center) + ")";
-      }
-      const std::vector<std::string> names = names_of_motions(world, part, eigen.vectors.leftCols(num_free));
-      const auto starts_with = [&](const char* word) {
-        return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
-      };
-      throw InputError(world.place, where + " is not constrained: " + std::to_string(num_free) + " of " +
-                                        std::to_string(part.gram.rows()) +
-                                        " rigid-body motions are free in a static analysis: " + join(names) +
-                                        "; " +
-                                        cure(dim, starts_with("translation"), starts_with("rotation")) +
-                                        (world.colliders.empty() && !world.contact ? "" : about_contact));
+  add_motor_directions(world, held_directions);
+  const std::vector<LooseBody> loose = loose_bodies(world, is_held, held_directions);
+  if (loose.empty()) return;
+  JoinedParts joined(world, loose);
+  for (const HeldDirection& held : held_directions) joined.add(held);
+  for (const JoinedParts::Group& group : joined.free_groups()) {
+    // Of joined parts the first one that can move is told of.
+    const FreePart* moves = nullptr;
+    Eigen::MatrixXd free;
+    for (std::size_t i = 0; moves == nullptr; ++i) {
+      const Eigen::Index size = JoinedParts::part_of(*group.parts[i]).gram.rows();
+      const Eigen::MatrixXd own = group.free.middleRows(static_cast<Eigen::Index>(i) * size, size);
+      if (!(own.norm() > round_off)) continue;
+      moves = group.parts[i];
+      free = group.parts.size() == 1 ? own : range_of(own);
     }
+    const Part& part = JoinedParts::part_of(*moves);
+    const Body& body = *moves->loose->body;
+    std::string where = "body \"" + body.name + "\"";
+    if (moves->loose->parts.size() > 1) {
+      where += ", component " + std::to_string(moves->number + 1) + " (" + std::to_string(part.num_vertices) +
+               " vertices around " + world.place_text(world.origin + part.center) + ")";
+    }
+    std::vector<std::string> others;
+    for (const FreePart* other : group.parts)
+      if (other->loose->body != &body) others.push_back('"' + other->loose->body->name + '"');
+    const std::vector<std::string> names = names_of_motions(world, part, free);
+    const auto starts_with = [&](const char* word) {
+      return std::ranges::any_of(names, [&](const std::string& name) { return name.starts_with(word); });
+    };
+    throw InputError(
+        world.place,
+        where + " is not constrained: " + std::to_string(free.cols()) + " of " +
+            std::to_string(part.gram.rows()) +
+            " rigid-body motions are free in a static analysis: " + join(names) +
+            (others.empty() ? ""
+                            : "; " + join(others) + (others.size() == 1 ? " moves" : " move") + " with it") +
+            "; " + cure(dim, starts_with("translation"), starts_with("rotation")) +
+            (others.empty() ? "" : "; joints, springs and motors hold bodies, too") +
+            (world.colliders.empty() && !world.contact ? "" : about_contact));
   }
 }
 

@@ -101,6 +101,16 @@ double angle_of(const Joint& joint, int dim, const VectorX& x) {
   return std::atan2(turned.dot(across), turned.dot(along));
 }
 
+/// Force of a motor on the body that it turns [N]: it pulls at a point beside the axis.
+Vector3 force_of_motor(const Joint& joint, int dim, const VectorX& x, const Conditions& conditions) {
+  const Vector3 center = joint.fixed.at.at(dim, x);
+  const Vector3 along = joint.fixed.along.at(dim, x) - center,
+                across = joint.fixed.across.at(dim, x) - center;
+  const double angle = joint.motor->angle(conditions);
+  const Vector3 goal = center + std::cos(angle) * along + std::sin(angle) * across;
+  return joint.motor->stiffness() / (joint.radius * joint.radius) * (goal - joint.turned.along.at(dim, x));
+}
+
 /// The multipliers of all equations of joints: a sum over points and components c lambda that is f at all
 /// nodes, the shortest where several are.
 std::vector<Vector3> multipliers(const World& world, const VectorX& forces) {
@@ -260,7 +270,9 @@ std::vector<JointForce> joint_forces(const World& world, const Conditions& condi
               ? Vector3(Vector3::UnitZ())
               : Vector3(joint.fixed.axis.at(dim, positions) - joint.fixed.at.at(dim, positions)).normalized();
       const double torque = joint.motor->stiffness() * std::sin(joint.motor->angle(conditions) - force.value);
-      force.moment += (joint.fixed.at.nodes.empty() ? torque : -torque) * axis;
+      const double sign = joint.fixed.at.nodes.empty() ? 1 : -1;  // the first body turns, or the second one
+      force.moment += sign * torque * axis;
+      force.force += sign * force_of_motor(joint, dim, positions, conditions);
     }
     found.push_back(std::move(force));
   }
