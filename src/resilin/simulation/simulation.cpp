@@ -27,12 +27,24 @@ void check_most_strained(const MostStrained& strained, const World& world, const
                    "run again without --resume");
 }
 
+/// Rigid bodies are so much stiffer than others that conjugate gradients find no direction.
+std::string solver_of(const World& world) {
+  constexpr Index most_unknowns_direct = 50000;  // a factor of about 1 GB
+  const bool has_rigid =
+      std::ranges::any_of(world.bodies, [](const Body& body) { return body.rigid != nullptr; });
+  if (world.solver.kind != "auto" || !has_rigid || !world.share.is_whole() ||
+      world.num_free_unknowns() > most_unknowns_direct)
+    return world.solver.kind;
+  const std::vector<std::string> names = linear_solver_names();
+  return std::ranges::find(names, "multifrontal") != names.end() ? "multifrontal" : "ldlt";
+}
+
 }  // namespace
 
 Simulation::Simulation(World world, std::shared_ptr<AnalysisCache> analyses)
     : world_(std::move(world)),
       newton_(world_.dimension, world_.pattern,
-              make_linear_solver({.kind = world_.solver.kind,
+              make_linear_solver({.kind = solver_of(world_),
                                   .is_dynamic = world_.is_dynamic,
                                   .max_iterations = world_.solver.max_iterations,
                                   .analyses = std::move(analyses),
