@@ -83,17 +83,20 @@ std::optional<double> work_of_supports(const World& world, const State& start, c
   return work;
 }
 
-/// The velocities of a body's nodes, zero elsewhere, that move it as a rigid one by each of its rigid
-/// motions about `center`.
-std::vector<VectorX> motions_of_body(const World& world, const Body& body, const VectorX& positions,
-                                     const Vector3& center) {
+using Group = std::vector<const Body*>;
+
+/// The velocities of the nodes of bodies, zero elsewhere, that move them as one rigid body by each of its
+/// rigid motions about `center`.
+std::vector<VectorX> motions_of_group(const World& world, const Group& group, const VectorX& positions,
+                                      const Vector3& center) {
   const int dim = world.dimension;
   std::vector<VectorX> motions(dim == 3 ? 6 : 3, VectorX::Zero(positions.size()));
-  for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
-    const RigidMotions of_node = rigid_motions(dim, node_position(dim, node, positions) - center);
-    for (std::size_t k = 0; k < motions.size(); ++k)
-      motions[k].segment(Eigen::Index{node} * dim, dim) = of_node.col(static_cast<Eigen::Index>(k));
-  }
+  for (const Body* body : group)
+    for (Index node = body->first_node; node < body->first_node + body->num_nodes; ++node) {
+      const RigidMotions of_node = rigid_motions(dim, node_position(dim, node, positions) - center);
+      for (std::size_t k = 0; k < motions.size(); ++k)
+        motions[k].segment(Eigen::Index{node} * dim, dim) = of_node.col(static_cast<Eigen::Index>(k));
+    }
   return motions;
 }
 
@@ -105,18 +108,63 @@ double num_owned_nodes(const World& world, const Body& body) {
   return world.share.sum(count);
 }
 
-/// Velocities without the rigid motion that has the momenta of each body. Bodies with
-/// supports keep all.
+/// Bodies without supports, those together that ties and joints couple.
+std::vector<Group> groups_without_supports(const World& world) {
+  const std::size_t count = world.bodies.size();
+  std::vector<std::size_t> group_of(count);
+  for (std::size_t b = 0; b < count; ++b) group_of[b] = b;
+  std::vector<std::uint8_t> is_held = world.is_fixed;
+  const auto dim = static_cast<Index>(world.dimension);
+  if (world.dependents() != nullptr)
+    for (const Dependents::Relation& relation : world.dependents()->relations()) {
+      is_held[static_cast<std::size_t>(relation.unknown)] = 0;
+      const auto group_at = [&](Index unknown) {
+        return group_of[static_cast<std::size_t>(&world.body_of(unknown / dim) - world.bodies.data())];
+      };
+      for (const Dependents::Weight& weight : relation.by) {
+        const std::size_t from = group_at(weight.unknown), to = group_at(relation.unknown);
+        std::ranges::replace(group_of, from, to);
+      }
+    }
+  std::vector<Group> groups;
+  for (std::size_t g = 0; g < count; ++g) {
+    Group group;
+    bool is_whole_free = true;
+    for (std::size_t b = 0; b < count; ++b) {
+      if (group_of[b] != g) continue;
+      group.push_back(&world.bodies[b]);
+      is_whole_free = is_whole_free && is_free(world, world.bodies[b], is_held);
+    }
+    if (is_whole_free && !group.empty()) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Whether constraints let bodies move so: joints to the ground and periodic cells do not.
+bool are_allowed(const World& world, const std::vector<VectorX>& motions) {
+  constexpr double rounding = 1e-9;
+  if (world.dependents() == nullptr) return true;
+  return std::ranges::all_of(motions, [&](const VectorX& motion) {
+    VectorX following = motion;
+    world.dependents()->follow(following);
+    return (following - motion).norm() <= rounding * motion.norm();
+  });
+}
+
+/// Velocities without the rigid motions that have the momenta of bodies, or of those that are coupled.
+/// Bodies with supports keep all.
 VectorX without_rigid_motion(const World& world, const VectorX& positions, VectorX velocities) {
-  for (const Body& body : world.bodies) {
-    if (!is_free(world, body, world.is_fixed)) continue;
+  for (const Group& group : groups_without_supports(world)) {
     const int dim = world.dimension;
     Vector3 center = Vector3::Zero();
-    const double num_nodes = num_owned_nodes(world, body);
-    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      if (world.share.owns(node)) center += node_position(dim, node, positions) / num_nodes;
+    double num_nodes = 0;
+    for (const Body* body : group) num_nodes += num_owned_nodes(world, *body);
+    for (const Body* body : group)
+      for (Index node = body->first_node; node < body->first_node + body->num_nodes; ++node)
+        if (world.share.owns(node)) center += node_position(dim, node, positions) / num_nodes;
     center = world.share.sum(center);
-    const std::vector<VectorX> motions = motions_of_body(world, body, positions, center);
+    const std::vector<VectorX> motions = motions_of_group(world, group, positions, center);
+    if (!are_allowed(world, motions)) continue;
     const auto count = static_cast<Eigen::Index>(motions.size());
     Eigen::MatrixXd masses(count, count);
     VectorX momenta(count), momentum;

@@ -27,7 +27,8 @@ double round_off_energy(const World& world, double strain_stiffness, const Vecto
 double strain_stiffness(const World& world);
 
 /// Slows velocities down until they have lost `excess` [J]: where `only_within` is set, only what bodies
-/// without supports do besides moving as rigid ones, so that their momenta are kept, else everything.
+/// without supports do besides moving as rigid ones, so that their momenta are kept, else everything. Bodies
+/// that ties or joints couple count as one.
 /// @return whether that was possible; else nothing is changed
 bool slow_down(const World& world, const VectorX& positions, double excess, bool only_within,
                VectorX& velocities);

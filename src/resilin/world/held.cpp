@@ -432,7 +432,7 @@ void check_is_held(const World& world) {
   JoinedParts joined(world, loose);
   for (const HeldDirection& held : held_directions) joined.add(held);
   for (const JoinedParts::Group& group : joined.free_groups()) {
-    // Of joined parts the first one that can move is told of.
+    // The first one that can move is told of, where several are joined.
     const FreePart* moves = nullptr;
     Eigen::MatrixXd free;
     for (std::size_t i = 0; moves == nullptr; ++i) {
