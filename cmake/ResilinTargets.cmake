@@ -156,11 +156,13 @@ function(resilin_sanitized_first target)
   endif()
 endfunction()
 
-# resilin_test(NAME SOURCES a_test.cpp ... ALONE big_test.cpp ... LINK resilin::x ...): a GoogleTest program; ctest runs each
-# of its tests, under the name that its INSTANTIATE_TEST_SUITE_P gives it: values as GoogleTest prints them may hold addresses,
-# and differ from run to run. ALONE: see resilin_unite.
+# resilin_test(NAME SOURCES a_test.cpp ... ALONE big_test.cpp ... LINK resilin::x ... NOT_WHEN_SANITIZED regex ...): a
+# GoogleTest program; ctest runs each of its tests, under the name that its INSTANTIATE_TEST_SUITE_P gives it: values as
+# GoogleTest prints them may hold addresses, and differ from run to run. ALONE: see resilin_unite. Tests whose names match
+# one of NOT_WHEN_SANITIZED have the label not_when_sanitized: they take most of the time there and run no line that others
+# do not (references, further seeds and integrators, long motions), or mean nothing there.
 function(resilin_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK;NOT_WHEN_SANITIZED" ${ARGN})
   set(target ${name}_test)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE resilin_common_options resilin_test_options resilin_test_support ${ARG_LINK})
@@ -169,4 +171,16 @@ function(resilin_test name)
   resilin_unite(${target} ${ARG_ALONE})
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST
                        DISCOVERY_TIMEOUT 60)
+  if(ARG_NOT_WHEN_SANITIZED)
+    # Tests are known when ctest reads the list that gtest_discover_tests makes.
+    list(JOIN ARG_NOT_WHEN_SANITIZED "|" pattern)
+    set(script "${CMAKE_CURRENT_BINARY_DIR}/${target}_labels.cmake")
+    file(WRITE "${script}" "foreach(test IN LISTS ${target}_TESTS)
+  if(test MATCHES [==[${pattern}]==])
+    set_tests_properties("\${test}" PROPERTIES LABELS not_when_sanitized)
+  endif()
+endforeach()
+")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${script}")
+  endif()
 endfunction()

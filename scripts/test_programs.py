@@ -14,26 +14,30 @@ TESTS_OF_A_SHARD = 25
 
 
 def registered_tests(folder):
-    """(name, command) of each test that ctest knows there."""
+    """(name, command, labels) of each test that ctest knows there."""
     command = ["ctest", "--test-dir", folder, "--show-only=json-v1"]
     listing = subprocess.run(command, capture_output=True, text=True, check=True)
-    return [(test["name"], test.get("command", [])) for test in json.loads(listing.stdout)["tests"]]
+    return [(test["name"], test.get("command", []), labels_of(test)) for test in json.loads(listing.stdout)["tests"]]
+
+
+def labels_of(test):
+    return [label for entry in test.get("properties", []) if entry["name"] == "LABELS" for label in entry["value"]]
 
 
 def shards_of(folder, left_out):
-    """[(name, command, environment, XML file or None)]: commands that run all tests but those that match `left_out`,
-    and how many tests these are."""
+    """[(name, command, environment, XML file or None)]: commands that run all tests but those with the label
+    `left_out`, and how many tests these are."""
     programs, shards = {}, []
-    for name, command in registered_tests(folder):
+    for name, command, labels in registered_tests(folder):
         if not command:
             shards.append((name, None, {}, None))
         elif any(part.startswith("--gtest_filter=") for part in command):
-            programs.setdefault(command[0], []).append((name, command[1].partition("=")[2]))
+            programs.setdefault(command[0], []).append((name, command[1].partition("=")[2], left_out in labels))
         else:
             shards.append((name, command, {}, None))
     wanted = len(shards)
     for program, tests in sorted(programs.items(), key=lambda entry: -len(entry[1])):
-        excluded = [test for name, test in tests if left_out and re.search(left_out, name)]
+        excluded = [test for _, test, is_left_out in tests if is_left_out]
         wanted += len(tests) - len(excluded)
         count = -(-(len(tests) - len(excluded)) // TESTS_OF_A_SHARD)
         for i in range(count):
@@ -87,7 +91,7 @@ def read_results(file, name):
 
 
 def run_programs(folder, left_out, environment, time_limit):
-    """[(name, status, detail)] of all tests of a build folder but those that match `left_out`, a regular expression or
+    """[(name, status, detail)] of all tests of a build folder but those with the label `left_out`, which may be
     None; fewer than ctest knows there are a failure."""
     shards, wanted = shards_of(folder, left_out)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
