@@ -71,9 +71,10 @@ int main(int argc, char** argv) {
   app.add_option("name", command.name, "Name of a benchmark");
   app.add_option("--n", command.options.n, "Size of the problem, where it has one")
       ->check(CLI::Range(1, 1000));
-  app.add_flag("--dynamic", command.options.dynamic, "Motion instead of statics, where a benchmark has both");
+  app.add_flag("--dynamic", command.options.dynamic,
+               "Dynamic instead of static analysis, where a benchmark has both");
   app.add_option("--element", command.options.element,
-                 "Element of the kernels, the bar and the damping: P1, P2 or P2P0");
+                 "Element of the benchmarks kernels, bar and damping: P1, P2 or P2P0");
   app.add_option("--threads", command.threads, "Number of threads; default RESILIN_THREADS or all cores")
       ->check(CLI::Range(1, max_threads));
   app.add_flag("--json", command.json, "Print JSON");

@@ -39,7 +39,7 @@ FIELD_TERMS = {
     r"going back": "adjoint pass",
     r"slopes": "sensitivities, derivatives",
     r"error (?:by|of) the (?:size of the )?cells": "discretisation error",
-    r"one pressure (?:per|for each) cell": "mixed displacement-pressure element",
+    r"one pressure (?:per|for each|in each) cell|with one pressure": "mixed displacement-pressure element",
     r"free vibrations?": "modal analysis",
     r"several processes|many processes": "MPI, distributed",
 }
@@ -126,13 +126,17 @@ def long_sentences(name, text):
 
 
 def long_lines(name, text):
-    """Tables, formulas and what a program prints (```text) may be wider, and lines by the address of a link."""
+    """Tables, formulas and what a program prints (```text) may be wider, and lines by the address of a link.
+
+    README has nothing wider: it is read as it stands.
+    """
     problems, fence = [], None
     for number, line in enumerate(text.splitlines(), 1):
         if FENCE.match(line):
             fence = None if fence is not None else line.strip("` ")
         is_free = fence == "text" or (fence is None and (FORMULA.match(line) or line.lstrip().startswith("|")))
-        if not is_free and len(re.sub(r"\]\([^)]*\)", "]()", line)) > MAX_COLUMNS:
+        width = len(re.sub(r"\]\([^)]*\)", "]()", line))
+        if len(line) > MAX_COLUMNS if name == "README.md" else not is_free and width > MAX_COLUMNS:
             problems.append(f"{name}:{number}: {len(line)} columns, at most {MAX_COLUMNS}")
     return problems
 
@@ -235,6 +239,7 @@ def find_faults_of_this_check():
         (long_lines, f"[a]({'b' * MAX_COLUMNS})", 0),
         (long_lines, f"```text\n{'a' * (MAX_COLUMNS + 1)}\n```\n", 0),
         (long_lines, f"```sh\n{'a' * (MAX_COLUMNS + 1)}\n```\n", 1),
+        (lambda _, text: long_lines("README.md", text), "| " + "a" * MAX_COLUMNS, 1),
         (headings, "# Rest shapes\n\nrest shapes\n", 1),
         (headings, "```sh\n# at rest\n```\n", 0),
         (help_texts, 'command.flag("--x", x, "count the unkn"\n "owns").group("What");\n', 1),

@@ -74,7 +74,7 @@ std::string read_engine(const std::filesystem::path& path) {
   constexpr std::string_view newest_call = "resilin_start";
   if (!is_module || engine.find(newest_call) == std::string::npos)
     throw InputError(one_line(path.string()), "the WebAssembly module of Resilin " + std::string(version()),
-                     is_module ? "another one" : "a file that is none", "scripts/build_wasm.sh builds it");
+                     is_module ? "another one" : "a file of another kind", "scripts/build_wasm.sh builds it");
   return engine;
 }
 

@@ -186,14 +186,15 @@ void add_film(CommandLine& line, Action& action) {
       .group("Time");
   command
       .option("--fps", options->frames_per_second,
-              "Frames per second; default: real time, 10 in statics, 30 for vibration modes")
+              "Frames per second; default: real time, 10 in statics, 30 for modes")
       .type_name("N")
       .group("Time");
   command.option("--speed", options->film.speed, "Playback speed, simulated over shown time; default 1")
       .type_name("X")
       .group("Time");
   command
-      .option("--mode", options->film.mode, "Vibration mode to animate; default: the first that is not rigid")
+      .option("--mode", options->film.mode,
+              "Mode shape to animate; default: the first that is no rigid-body mode")
       .type_name("N")
       .group("Time");
   command.option("--turn", options->film.turn, "Angle of the camera orbit in degrees; default 0")

@@ -115,7 +115,7 @@ void add_gradcheck(CommandLine& line, Action& action) {
       "The function is a weighted sum of all final nodal positions, each with a weight of its "
       "own.\n"
       "Example:\n  resilin gradcheck beam.toml --wrt body.beam.material.youngs_modulus\n\n"
-      "Exit codes: 0 they agree, as far as differences can tell; 1 the input is wrong; 2 they disagree, "
+      "Exit codes: 0 they agree within the accuracy of differences; 1 invalid input; 2 they disagree, "
       "or "
       "differences do not converge.");
   command.on_chosen([options, &action] { action = [options] { return gradcheck(*options); }; });

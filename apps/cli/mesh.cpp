@@ -150,8 +150,8 @@ void add_mesh(CommandLine& line, Action& action) {
       command
           .option(
               "--mesher", options->fill.mesher,
-              "How to fill: fitted (cells end at the surface) or lattice (alike cells around it), which are "
-              "built in, or a program of your own, gmsh or pytetwild")
+              "How to fill: fitted (cells end at the surface) or lattice (congruent cells that enclose it), "
+              "both built in; gmsh or pytetwild call that program")
           .type_name("NAME")
           .shows_default()
           .offers(all_meshers);

@@ -183,7 +183,7 @@ void add_new(CommandLine& line, Action& action) {
       line.command("new", "Write a commented scene for a mesh or a surface, to start from");
   command
       .option("mesh", options->mesh,
-              "Mesh file, or surface (STL, PLY, OBJ, VTP, glTF), which gets cells around it")
+              "Mesh file, or surface (STL, PLY, OBJ, VTP, glTF), which is filled with cells")
       .required()
       .type_name("MESH")
       .is_file(mesh_extensions());
@@ -191,11 +191,10 @@ void add_new(CommandLine& line, Action& action) {
       .type_name("SCENE.toml")
       .is_file({"toml"});
   command.option("--scale", options->scale, "Factor on the coordinates; default 1, 0.001 for millimetres");
-  command.option("--cells", options->cells, "Tetrahedra around a surface, about; default 4000")
+  command.option("--cells", options->cells, "Approximate number of tetrahedra in a surface; default 4000")
       .between(1, LatticeOptions::most_cells);
   command
-      .option("--up", options->up,
-              "Axis against gravity: x, y or z; default z, y for OBJ, glTF and in the plane")
+      .option("--up", options->up, "Upward axis, against gravity; default z, but y for OBJ, glTF and in 2D")
       .one_of({"auto", "x", "y", "z"});
   command.footer(
       "Example:\n  resilin new data/spot_surface.obj --scale 0.1 --out spot.toml && resilin run spot.toml");

@@ -71,7 +71,7 @@ void add_picture(CommandLine& line, Action& action) {
       .group("Colours");
   add_color_options(command, picture);
   const Option edges =
-      command.flag("--edges", options->edges, "Draw cell edges; default: where there is room")
+      command.flag("--edges", options->edges, "Draw cell edges; default: if the cells are large enough")
           .group("Display");
   command.flag("--no-edges", options->no_edges, "No edges").excludes(edges).group("Display");
   add_surroundings(command, picture, options->left_out);

@@ -235,14 +235,14 @@ void add_plot(CommandLine& line, Action& action) {
   command.option("run", options->folder, "Results folder of a run, or its report.json")
       .required()
       .is_file_or_folder({"json"});
-  command.option("--x", options->x, "Name on the horizontal axis").type_name("NAME").shows_default();
-  command.option("--y", options->y, "Name of a curve; repeatable").type_name("NAME").repeatable();
+  command.option("--x", options->x, "Quantity on the horizontal axis").type_name("NAME").shows_default();
+  command.option("--y", options->y, "Quantity of a curve; repeatable").type_name("NAME").repeatable();
   command.option("--out", options->out, "File to write, .csv or .svg; repeatable. Without it: CSV on stdout")
       .type_name("FILE")
       .repeatable()
       .is_file({"csv", "svg"});
   command.option("--title", options->title, "Title of the picture").type_name("TEXT");
-  command.flag("--list", options->lists, "Print the names that the run has");
+  command.flag("--list", options->lists, "List the quantities of the run");
   command.footer(
       "Names: time, load, probe.NAME.displacement.x, reaction.NAME.y, contact.A.B.force, energy.elastic, "
       "...; "

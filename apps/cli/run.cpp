@@ -110,8 +110,8 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
   print_discretisation_errors(simulation.world(), outcome.discretisation_errors);
   const Timing& timing = simulation.timing();
   print_line(std::string(name(outcome.status)) + ": " + outcome.reason);
-  print_line("took " + format_seconds(total) + " (reading and setting up " + format_seconds(setup_seconds) +
-             ", assembly " + format_seconds(timing.assembly) + ", solving " + format_seconds(timing.solve) +
+  print_line("took " + format_seconds(total) + " (set-up " + format_seconds(setup_seconds) + ", assembly " +
+             format_seconds(timing.assembly) + ", solving " + format_seconds(timing.solve) +
              ", error estimate " + format_seconds(outcome.estimate_seconds) + ", output " +
              format_seconds(results.output_seconds()) + ")");
   std::string files = "results: " + (results.path() / "report.json").string();
@@ -208,14 +208,14 @@ void add_run(CommandLine& line, Action& action) {
       .group("Computing");
   command
       .flag_with_word("--resume", options->resume, "same",
-                      "Restart from the checkpoint in the folder; it must be of the same scene, unless "
+                      "Restart from the checkpoint in the folder; the scene must be the same, unless "
                       "--resume=anyway")
       .one_of({"same", resume_anyway})
       .group("Computing");
   command.flag("--quiet", options->quiet, "Print nothing but errors").group("Results");
   command.footer(
       "Example:\n  resilin run beam.toml --out out/stiff --set body.beam.material.youngs_modulus=1e7\n\n"
-      "Exit codes: 0 done; 1 the input is wrong or memory is short; 2 did not converge or was "
+      "Exit codes: 0 done; 1 invalid input or out of memory; 2 did not converge or was "
       "stopped\n(results so far are kept); 3 an internal error. After Ctrl-C, SIGTERM or SIGHUP --resume "
       "continues.");
   command.on_chosen([options, &action] { action = [options] { return run(*options); }; });

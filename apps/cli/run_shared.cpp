@@ -137,10 +137,9 @@ int run_part(const RunOptions& options, const Speaker& speaker) {
   speaker.line("smallest volume ratio " + format_short(simulation.frame().min_volume_ratio));
   speaker.line(std::string(name(outcome.status)) + ": " + outcome.reason);
   const Timing& timing = simulation.timing();
-  speaker.line("took " + format_seconds(stopwatch.seconds()) + " (reading and setting up " +
-               format_seconds(setup_seconds) + ", assembly " + format_seconds(timing.assembly) +
-               ", solving " + format_seconds(timing.solve) + ", output " +
-               format_seconds(results.output_seconds()) + ")");
+  speaker.line("took " + format_seconds(stopwatch.seconds()) + " (set-up " + format_seconds(setup_seconds) +
+               ", assembly " + format_seconds(timing.assembly) + ", solving " + format_seconds(timing.solve) +
+               ", output " + format_seconds(results.output_seconds()) + ")");
   speaker.line("results: " + (out_folder(options) / "report.json").string() + ", " +
                (out_folder(options) / "frames.pvd").string() + " (opens in ParaView)");
   if (outcome.status == RunStatus::done) return done;

@@ -136,7 +136,9 @@ void add_sweep(CommandLine& line, Action& action) {
   command.option("--shard", options->shard, "Run part i of n; the parts share the folder")
       .type_name("i/n")
       .group("Selection");
-  command.option("--jobs", options->jobs, "Scenes at once; default one for each thread where they are small")
+  command
+      .option("--jobs", options->jobs,
+              "Number of scenes run at once; default: one per thread if they are small")
       .between(1, max_threads)
       .group("Computing");
   command

@@ -145,7 +145,7 @@ void add_view(CommandLine& line, Action& action) {
   command.footer(
       "Examples:\n  resilin view examples/heap.toml\n  resilin view out/spot --port 8000 --no-browser\n\nThe "
       "page is "
-      "for this machine alone. Its address holds a token that is made anew at every start: whoever\nhas it "
+      "for this machine alone. Its address holds a token that is new at every start: whoever\nhas it "
       "can play "
       "with the scene. Through ssh: ssh -L 8000:127.0.0.1:8000 HOST, then the address on your own "
       "machine.\nCtrl-C "

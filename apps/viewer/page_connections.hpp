@@ -224,7 +224,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (error == http::error::body_limit) return refuse_length();
     const bool has_ended = error == http::error::end_of_stream || error == http::error::partial_message;
     if (!has_ended && error.category() == http::make_error_code(http::error::bad_method).category())
-      refuse(http::status::bad_request, "This is no request of HTTP: " + error.message() + ".");
+      refuse(http::status::bad_request, "Not an HTTP request: " + error.message() + ".");
   }
 
   std::string_view target() const { return {parser_.get().target().data(), parser_.get().target().size()}; }
@@ -284,7 +284,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!forbidden.empty()) return refuse(http::status::forbidden, forbidden);
     const std::string path(parse_target(target()).path);
     if (path == "/live" && shared_->service != nullptr) {
-      if (!is_websocket) return refuse(http::status::upgrade_required, "Only a WebSocket is answered here.");
+      if (!is_websocket)
+        return refuse(http::status::upgrade_required, "This address accepts only WebSocket connections.");
       return std::make_shared<LivePage>(std::move(stream_), *shared_, count_)->start(request);
     }
     if (is_websocket) return refuse(http::status::not_found, "There is no live scene here.");

@@ -45,6 +45,13 @@ TEST(Vocabulary, SaysWhatAWordIsCalledHere) {
       {"constitutive", {"constraint"}, "it is called body.material here"},
       {"displacement", {"element"}, "it is called [[fix]] here"},
       {"self_contact", {"contact"}, "it is called \"contact\" here"},
+      {"E", {"material", "mesh"}, "it is called body.material.youngs_modulus here"},
+      {"mu", {"material", "mesh"}, "it is called body.material.shear_modulus here"},
+      {"density", {"material", "mesh"}, "it is called body.material.density here"},
+      {"gravity", {"material", "mesh"}, "it is called simulation.gravity here"},
+      {"amplitude", {"simulation", "fix"}, "it is called fix.time_function, load.time_function here"},
+      {"solver", {"kind", "gravity"}, "it is called solver.kind here"},
+      {"shear", {"law", "shear_modulus"}, "it is called \"shear_modulus\" here"},
   };
   for (const Wish& wish : wishes) EXPECT_EQ(cure_of_word(wish.word, wish.known), wish.cure) << wish.word;
 }
@@ -56,6 +63,18 @@ TEST(Vocabulary, SaysWhatIsNotAvailable) {
         << word;
 }
 
+TEST(Vocabulary, SaysWhatToDoWhereNoKeyStandsForAWord) {
+  const std::vector<std::string> known = {"law", "youngs_modulus", "name"};
+  EXPECT_EQ(cure_of_word("restart", known), "run it with the option --resume");
+  EXPECT_EQ(cure_of_word("encastre", std::vector<std::string>{"components"}),
+            "a [[fix]] without components holds all of them");
+  EXPECT_EQ(cure_of_word("ccd", known), "continuous collision detection is always on");
+  EXPECT_EQ(cure_of_word("bulk_modulus", known),
+            "without a bulk_modulus in the law, poissons_ratio says how compressible it is (docs/laws.md)");
+  EXPECT_EQ(cure_of_word("kappa", std::vector<std::string>{"bulk_modulus"}),
+            "it is called \"bulk_modulus\" here");
+}
+
 TEST(Vocabulary, LeavesOtherWordsToTheNearestOne) {
   EXPECT_EQ(cure_of_word("densty", std::vector<std::string>{"density", "law"}), "did you mean \"density\"?");
   EXPECT_EQ(cure_of_word("xylophone", std::vector<std::string>{"density", "law"}), "");
@@ -63,7 +82,7 @@ TEST(Vocabulary, LeavesOtherWordsToTheNearestOne) {
 
 TEST(Vocabulary, HasEveryWordOfARowOnceAndInSmallLetters) {
   for (const ForeignWord& foreign : vocabulary()) {
-    EXPECT_NE(foreign.called.empty(), foreign.limit.empty());
+    EXPECT_NE(foreign.called.empty(), foreign.limit.empty() && foreign.advice.empty());
     std::set<std::string_view> all;
     for (const std::string_view word : foreign.words) {
       EXPECT_TRUE(all.insert(word).second) << word;

@@ -89,7 +89,7 @@ TEST(PlaneStress, RefusesWhatItHasNot) {
   };
   EXPECT_EQ(refusal([](Description&) {}), "");
   EXPECT_THAT(refusal([](Description& d) { d.bodies[0].element = "P2P0"; }),
-              HasSubstr("in plane stress none locks by volume, got \"P2P0\"; use P2"));
+              HasSubstr("since plane stress has no volumetric locking, got \"P2P0\"; use P2"));
   EXPECT_THAT(refusal([](Description& d) {
                 d.bodies[0].material.law = plane_stress_name("holzapfel_gasser_ogden");
                 d.bodies[0].material.constants["fibre_modulus"] = 1e4;

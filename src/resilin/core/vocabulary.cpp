@@ -11,7 +11,7 @@ namespace {
 
 /// Lists of words have blanks between.
 struct Row {
-  std::string_view called, words, home = {}, limit = {};
+  std::string_view called, words, home = {}, limit = {}, advice = {};
 };
 
 // A word may stand in several rows: the first row that has one of the words that are known is meant.
@@ -19,11 +19,11 @@ constexpr std::array rows = {
     // keys
     Row{"fix",
         "dirichlet boundary boundary_condition boundary_conditions bc bcs constraint support supports fixed "
-        "clamp clamped encastre pin pinned displacement prescribed_displacement dirichlet_boundary"},
+        "clamp clamped encastre symmetry pin pinned displacement prescribed_displacement dirichlet_boundary"},
     Row{"tie", "ties tied tied_contact glue glued bonded bond mortar"},
     Row{"constraint",
         "constraints linear_constraint multipoint_constraint mpc equation equations periodic periodicity "
-        "periodic_boundary coupling rigid_link"},
+        "periodic_boundary coupling rigid_link rve homogenisation homogenization"},
     Row{"joint", "joints hinge revolute ball_joint spherical connector linkage pivot"},
     Row{"spring", "springs elastic_band rubber_band"},
     Row{"cable", "cables tendon tendons rope string wire"},
@@ -31,7 +31,8 @@ constexpr std::array rows = {
         "neumann force forces moment moments torque traction pressure body_force dead_load follower_load "
         "surface_load cload dload dsload neumann_boundary pressure_boundary"},
     Row{"collider", "obstacle obstacles floor ground wall plane is_obstacle"},
-    Row{"body", "part parts solid solids domain geometry geometries object deformable"},
+    Row{"body",
+        "part parts solid solids domain geometry geometries object deformable instance instances assembly"},
     Row{"probe", "monitor sensor history node_history point_output tracker"},
     Row{"step", "stage stages load_case load_cases loadcase analysis_step"},
     Row{"section", "cut section_force integrated_output"},
@@ -44,16 +45,17 @@ constexpr std::array rows = {
     Row{"law",
         "model constitutive constitutive_model constitutive_law material_model hyperelastic type name "
         "energy"},
-    Row{"material", "materials law model constitutive constitutive_model elastic"},
+    Row{"material", "materials model constitutive constitutive_model elastic"},
     Row{"youngs_modulus", "e young youngs young_modulus elastic_modulus modulus stiffness"},
     Row{"poissons_ratio", "nu v poisson poisson_ratio poissons"},
     Row{"density", "rho mass_density"},
     Row{"friction", "mu mu_f friction_coefficient coefficient_of_friction coulomb"},
-    Row{"shear_modulus", "mu g lame_mu"},
+    Row{"shear_modulus", "mu g lame_mu shear"},
     Row{"lame_lambda", "lambda lame lame_first"},
     Row{"bulk_modulus", "kappa k bulk"},
     Row{"activation_distance",
         "dhat d_hat barrier_distance contact_distance contact_offset thickness margin"},
+    Row{"pair", "pairs master slave contact_pair contact_pairs"},
     Row{"stiffness", "kappa barrier_stiffness contact_stiffness penalty penalty_stiffness k beta"},
     Row{"friction_speed", "eps_v epsv epsilon_v static_friction_speed_bound slip_tolerance"},
     Row{"friction_iterations", "lagging_iterations friction_lagging lagged_iterations"},
@@ -69,9 +71,11 @@ constexpr std::array rows = {
     Row{"count", "num_modes n number"},
     Row{"element", "elements shape_functions discr_order order degree elem_type element_type"},
     Row{"quadrature", "integration quadrature_order quadrature_rule"},
-    Row{"where", "nodes node_set nset elset region surface set nodeset selection surface_selection group at"},
+    Row{"where",
+        "nodes node_set nset elset region surface set nodeset selection surface_selection group at face "
+        "faces"},
     Row{"group", "nodes elset surface physical node_set nset set physical_group tag id nodeset"},
-    Row{"displacement", "value u d disp dirichlet"},
+    Row{"displacement", "value u d disp dirichlet u1 u2 u3 ux uy uz"},
     Row{"value", "force traction pressure moment torque magnitude vector f t"},
     Row{"point", "attack point_of_attack reference_point attack_point application_point at"},
     Row{"face_at", "face point picked_face"},
@@ -79,9 +83,9 @@ constexpr std::array rows = {
     Row{"ball", "sphere"},
     Row{"disc", "disk circle"},
     Row{"spherical_shell", "shell hollow_sphere hollow_ball"},
-    Row{"components", "dofs dof directions axes"},
-    Row{"time_function", "amplitude curve load_curve lc loadcurve table tabular"},
-    Row{"rotate", "rotation angle turn"},
+    Row{"components", "dofs dof directions axes symmetry roller"},
+    Row{"time_function", "amplitude curve load_curve lc loadcurve table tabular time ramp smooth_step"},
+    Row{"rotate", "rotation angle turn orientation"},
     Row{"translate", "translation position offset pos"},
     Row{"velocity", "initial_velocity v v0 speed"},
     Row{"damping", "rayleigh rayleigh_damping viscosity"},
@@ -107,6 +111,37 @@ constexpr std::array rows = {
     Row{"fix", "displacement prescribed_displacement dirichlet", "[[fix]]"},
     Row{"material", "model constitutive constitutive_model constitutive_law material_model", "body.material"},
     Row{"friction", "friction friction_coefficient coefficient_of_friction", "contact.friction"},
+    Row{"self", "self_contact self_collision", "contact.self"},
+    Row{"density", "density rho mass_density", "body.material.density"},
+    Row{"law", "law hyperelastic", "body.material.law"},
+    Row{"youngs_modulus", "youngs_modulus e young youngs young_modulus elastic_modulus",
+        "body.material.youngs_modulus"},
+    Row{"poissons_ratio", "poissons_ratio nu poisson poisson_ratio poissons", "body.material.poissons_ratio"},
+    Row{"shear_modulus", "shear_modulus mu shear lame_mu", "body.material.shear_modulus"},
+    Row{"lame_lambda", "lame_lambda lambda lame", "body.material.lame_lambda"},
+    Row{"fibres", "fibres fibers fibre fiber", "body.material.fibres"},
+    Row{"material", "material materials", "body.material"},
+    Row{"mesh", "mesh meshes", "body.mesh"},
+    Row{"element", "element elements discr_order elem_type element_type", "body.element"},
+    Row{"skin", "skin embedded_surface visual_mesh", "body.skin"},
+    Row{"damping", "damping rayleigh rayleigh_damping viscosity", "body.damping"},
+    Row{"velocity", "initial_velocity initial_conditions predefined_field", "body.velocity"},
+    Row{"group", "group groups elset nset node_set surface_set set sets physical_group",
+        "where.group (of [[fix]], [[load]] ...)"},
+    Row{"where", "where nodes vertices", "fix.where, load.where"},
+    Row{"time_function", "amplitude time_function load_curve", "fix.time_function, load.time_function"},
+    Row{"fix", "fix boundary boundary_condition clamp support", "[[fix]]"},
+    Row{"gravity", "gravity acceleration", "simulation.gravity"},
+    Row{"dimension", "dimension dim plane_strain", "simulation.dimension"},
+    Row{"time_step", "time_step dt timestep", "simulation.time_step"},
+    Row{"end_time", "end_time t_end tend total_time", "simulation.end_time"},
+    Row{"load_steps", "load_steps increments load_increments", "simulation.load_steps"},
+    Row{"integrator", "integrator scheme time_integration", "simulation.integrator"},
+    Row{"tolerance", "tolerance tol rtol", "newton.tolerance"},
+    Row{"max_iterations", "max_iterations max_iter maxiter", "newton.max_iterations"},
+    Row{"solver", "solver linear_solver", "solver.kind"},
+    Row{"every", "every fps output_interval", "output.every"},
+    Row{"output", "output results", "[output]"},
 
     // values
     Row{"force nodal_force", "force point_load point_force concentrated_force remote_force total_force cload",
@@ -134,11 +169,29 @@ constexpr std::array rows = {
     Row{"tube", "pipe hollow_cylinder", "mesh = { tube = ... }"},
     Row{"spherical_shell", "hollow_sphere", "mesh = { spherical_shell = ... }"},
 
+    // words that no key stands for
+    Row{"", "restart resume checkpoint continue", "", "", "run it with the option --resume"},
+    Row{"", "threads num_threads cpus n_threads", "", "", "give the option --threads"},
+    Row{"", "nlgeom nonlinear nonlinear_geometry large_deformation finite_strain", "", "",
+        "large deformation is always on"},
+    Row{"", "ccd collision_detection continuous_collision_detection", "", "",
+        "continuous collision detection is always on"},
+    Row{"", "encastre clamped fixed_all all_components", "", "",
+        "a [[fix]] without components holds all of them"},
+    Row{"", "units unit unit_system", "", "", "units are SI; any consistent set works"},
+    Row{"", "bulk_modulus kappa k bulk", "", "",
+        "without a bulk_modulus in the law, poissons_ratio says how compressible it is (docs/laws.md)"},
+    Row{"", "c10 c01 c20 c30 c1 c2", "", "",
+        "such constants are those of mooney_rivlin and yeoh; C10 of a neo_hookean is shear_modulus / 2"},
+    Row{"", "d1 d2 d3", "", "", "Abaqus's D1 is 2 / bulk_modulus; neo_hookean_isochoric has a bulk_modulus"},
+    Row{"", "incompressible nearly_incompressible", "", "",
+        "poissons_ratio = 0.499 is nearly incompressible; a mixed element is chosen by itself"},
+
     // features that are not available
     Row{"", "plasticity plastic elastoplastic yield_stress von_mises_plasticity", "", "no plasticity"},
     Row{"", "damage fracture crack", "", "fracture"},
     Row{"", "creep", "", "creep"},
-    Row{"", "thermal temperature heat thermal_expansion", "", "heat"},
+    Row{"", "thermal temperature heat thermal_expansion expansion", "", "heat"},
     Row{"", "shell shells membrane cloth rod truss", "", "no shells, membranes, rods"},
     Row{"", "orthotropic anisotropic", "", "no orthotropic elasticity"},
     Row{"", "gpu cuda opencl device", "", "no gpu"},
@@ -176,7 +229,8 @@ bool has(const ForeignWord& foreign, const std::string& word) {
 std::span<const ForeignWord> vocabulary() {
   static const std::vector<ForeignWord> words = [] {
     std::vector<ForeignWord> all;
-    for (const Row& row : rows) all.push_back({split(row.words), split(row.called), row.home, row.limit});
+    for (const Row& row : rows)
+      all.push_back({split(row.words), split(row.called), row.home, row.limit, row.advice});
     return all;
   }();
   return words;
@@ -192,6 +246,7 @@ std::string foreign_word_cure(std::string_view word, std::span<const std::string
   for (const ForeignWord& foreign : vocabulary()) {
     if (!has(foreign, meant)) continue;
     if (!foreign.limit.empty()) return "not available (docs/limits.md)";
+    if (!foreign.advice.empty()) return std::string(foreign.advice);
     if (foreign.home.empty()) continue;
     const bool is_sentence = foreign.home.find('"') != foreign.home.npos;
     return (is_sentence ? "it is " : "it is called ") + std::string(foreign.home) + " here";

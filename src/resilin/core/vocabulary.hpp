@@ -13,6 +13,7 @@ struct ForeignWord {
   std::vector<std::string_view> called;  ///< keys or values that mean it here; empty where nothing does
   std::string_view home;                 ///< where to find a value, for a place that has none of `called`
   std::string_view limit = {};           ///< words of docs/limits.md about a feature that is not available
+  std::string_view advice = {};          ///< the cure, where no key stands for the word
 };
 
 /// Keys and values by their names in other programs, and everything that is asked for and not available.

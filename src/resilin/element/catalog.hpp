@@ -41,7 +41,7 @@ std::vector<const ElementInfo*> elements();
 const ElementInfo* find_element(std::string_view name, int dim);
 
 /// The element with these properties, or nullptr: of tetrahedra and triangles or not, the degree of its shape
-/// functions, one pressure per cell or none.
+/// functions, constant pressure per cell or none.
 const ElementInfo* find_element(int dim, bool of_simplices, int degree, bool has_mean_volume);
 
 /// The element of degree 1 whose nodes are the corners of this one.

@@ -18,7 +18,7 @@ struct ElementInfo {
   int dim;
   int num_nodes;
   int degree;            ///< degree of its shape functions
-  bool has_mean_volume;  ///< its volume energy takes the cell's mean volume ratio: one pressure per cell
+  bool has_mean_volume;  ///< mixed element: constant pressure per cell, from the mean volume ratio
   std::string_view default_quadrature;
   std::span<const Vector3> nodes;  ///< reference coordinates of the nodes
 

@@ -67,7 +67,7 @@ class ElasticEnergy final : public BasicEnergy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                    BlockMatrix& hessian) const override;
 
-  /// Elements with a mean volume keep one pressure per cell: dU/dJ of the law's volume energy [Pa]. Newton
+  /// Mixed elements keep a constant pressure per cell: dU/dJ of the law's volume energy [Pa]. Newton
   /// may carry them along (docs/theory/mean_volume.md); empty for other elements.
   VectorX internal_values(const VectorX& x) const override;
   Eigen::Index num_internal_values() const override;

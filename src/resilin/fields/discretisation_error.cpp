@@ -305,7 +305,7 @@ std::optional<double> discretisation_error(const World& world, const Body& body,
 std::optional<double> squared_solution_norm(const Body& body, const VectorX& positions) {
   const Domains& elastic = body.domains;
   if (elastic.num_cells() == 0) return std::nullopt;
-  // With one pressure in each cell the stress does not tell of the volumes that vary within it.
+  // A constant pressure per cell hides how the volume ratio varies within the cell.
   const bool is_mixed = elastic.element().has_mean_volume;
   const std::vector<SymmetricTensor> stresses =
       elastic.by_cell([&](const Domain& domain) { return turned_back_stresses(*domain.energy, positions); });

@@ -56,7 +56,7 @@ void check_unit(const MaterialTest& test, double modulus, std::vector<std::strin
   if (!test.has_unit && modulus < softest_usual)
     throw InputError(
         test.place + ".unit",
-        "the unit of the stresses, for a shear modulus of about " + shown + " is softer than any rubber",
+        "the unit of the stresses: a shear modulus of about " + shown + " is softer than any rubber",
         "none, so that they are read as Pa",
         (guess.empty() ? std::string() : "is it " + guess + "? ") +
             "say unit = \"kgf/cm2\", \"MPa\" ..., or \"Pa\" if it is so");

@@ -43,7 +43,7 @@ SoughtNumbers read_groups(const ExperimentModel& model, const SceneParameter& so
       int& of_cell = which[static_cast<std::size_t>(cell)];
       if (of_cell >= 0)
         throw InputError(
-            sought.place + ".per", "cells that are in one group",
+            sought.place + ".per", "each cell in one group",
             "one in \"" + numbers.names[static_cast<std::size_t>(of_cell)] + "\" and \"" + group.name + "\"",
             "make groups that do not overlap, or give values by regions and take per = \"value\"");
       of_cell = number;

@@ -45,8 +45,8 @@ class InpResolver {
       instances_.emplace(lower_case(model_->instances[i].name), i);
     for (std::size_t p = contents_.size(); p-- > 0;) resolve(p);  // the assembly names those of parts
     if (num_unknown_ > 0)
-      mesh_->warn(std::to_string(num_unknown_) + " numbers in sets, such as " + example_ +
-                  ", are those of no node or element");
+      mesh_->warn(std::to_string(num_unknown_) + " ids in sets, such as " + example_ +
+                  ", belong to no node or element");
     return std::move(contents_);
   }
 

@@ -21,7 +21,7 @@ std::vector<Option> laws_to_choose() {
 void check_law(const std::string& name) { require_law(name, "law"); }
 
 constexpr std::array table = {
-    LiveControl{"law", "Material", "Law", "", "Constitutive model",
+    LiveControl{"law", "Material", "Constitutive model", "", "Strain energy density of the body",
                 Choice{&LiveControls::law, laws_to_choose, check_law},
                 /*is_of_contact=*/false, /*is_of_body=*/true},
     LiveControl{"youngs_modulus", "Material", "Young's modulus", "Pa", "Stiffness at small strain",

@@ -28,10 +28,11 @@ Keys<StepTable> step_keys() {
       key<S>({"duration", "number > 0", "s", "static: 1; dynamic: required",
               "Its duration. Those of all steps add up to the end of the run."},
              [](const SceneNode& node, S& s) { s.duration = read_number(node, positive); }),
-      key<S>({"activate", "list of texts", "", "none",
-              "Loads, supports and colliders (`load.NAME`, `fix.NAME`, `collider.NAME`) that act, or move by "
-              "their displacement, from this step on."},
-             [](const SceneNode& node, S& s) { read_names(node, s.activate); }),
+      key<S>(
+          {"activate", "list of texts", "", "none",
+           "Loads, boundary conditions and colliders (`load.NAME`, `fix.NAME`, `collider.NAME`) that act, or "
+           "move by their displacement, from this step on."},
+          [](const SceneNode& node, S& s) { read_names(node, s.activate); }),
       key<S>({"deactivate", "list of texts", "", "none",
               "Loads that cease, and colliders that go back to where they started, in this step."},
              [](const SceneNode& node, S& s) { read_names(node, s.deactivate); }),

@@ -238,7 +238,7 @@ std::optional<InputError> refusal_of(const World& world, const Entry& entry) {
         name, "a collider that does not rotate in place", "one that does",
         "elsewhere its axis would not be its own: use its velocity or displacement, which the axis follows");
   if (entry.is_friction_of_none)
-    return InputError(name, "a coefficient of friction that is not zero", "0",
+    return InputError(name, "a friction coefficient above 0", "0",
                       "give a small value: without it there is no friction to differentiate");
   if (name == "simulation.gravity" && world.gravity.head(world.dimension).isZero(0))
     return InputError(name, "a scene with gravity", "none",

@@ -254,8 +254,8 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
   }
   const double left = rest.norm() / size;
   if (!(left <= largest_residual))
-    throw InputError(world_.place, "an invertible stiffness matrix to " + format_short(largest_residual),
-                     "a residual of " + format_short(left),
+    throw InputError(world_.place, "a linear solve to a residual of " + format_short(largest_residual),
+                     format_short(left),
                      "the body is near a limit point, or solver.kind = \"" + solver_kind_ +
                          "\" is too weak: take \"auto\"");
   if (earlier != nullptr) earlier->take(p);

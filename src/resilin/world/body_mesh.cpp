@@ -53,7 +53,7 @@ const ElementInfo& named_element(const BodyDescription& body, int dim, const Ele
                      "\"" + body.element + "\"");
   }
   if (element.has_mean_volume && is_plane_stress(c.law))
-    throw InputError(place, "a displacement element: in plane stress none locks by volume",
+    throw InputError(place, "a displacement element, since plane stress has no volumetric locking",
                      "\"" + body.element + "\"", "use " + std::string(without_pressure(element).name));
   if (element.has_mean_volume && !c.law.has_volume_energy) {
     throw InputError(

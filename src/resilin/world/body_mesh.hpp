@@ -39,8 +39,8 @@ struct ChosenElement {
   std::string reason;  ///< "nu = 0.49 is above 0.45, where displacement elements lock"
 };
 
-/// Element of "auto", the same for statics, dynamics and live scenes: a mixed element with one pressure per
-/// cell for nearly incompressible solids, else P2; Q1 on quadrilaterals and hexahedra.
+/// Element of "auto", the same for statics, dynamics and live scenes: a mixed element (constant pressure per
+/// cell) for nearly incompressible solids, else P2; Q1 on quadrilaterals and hexahedra.
 ChosenElement choose_element(const ElementCase& c);
 
 /// Why this element is a bad choice, with the cure; empty when it is not.

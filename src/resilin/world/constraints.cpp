@@ -134,8 +134,8 @@ void Maker::tie_component(std::size_t owner, int component, const std::vector<Mo
     if (is_known[i]) continue;
     const MortarRow& row = rows[i];
     if (!(row.own > 0))
-      throw InputError(place, "vertices with a part of the surface of their own",
-                       "vertex " + std::to_string(row.node), "prescribe the whole edge, or none of it");
+      throw InputError(place, "a tied edge that is prescribed as a whole or not at all",
+                       "vertex " + std::to_string(row.node), "prescribe all of its vertices, or none");
     const double share = row.share_of_ends, part = (1 - 2 * share) / row.own;
     std::vector<Weight> by;
     for (const auto& [node, weight] : row.of_leader) by.push_back({unknown(node), part * weight});

@@ -26,7 +26,7 @@ export class ColorBar {
       element("input", {
         class: "bar-end",
         data: `bar-${place}`,
-        "aria-label": place === "greatest" ? "value at the top of the colours" : "value at the bottom of the colours",
+        "aria-label": place === "greatest" ? "upper limit of the colour range" : "lower limit of the colour range",
         inputMode: "decimal",
         spellcheck: false,
         on: { change: () => this.readInputs() },

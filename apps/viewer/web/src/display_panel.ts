@@ -78,7 +78,7 @@ export class DisplayPanel {
     groupOptions(colours.domElement.querySelector("select")!, groups);
     if (events.rangeOver) {
       const range = folder.add({ over: "all frames" }, "over", ["all frames", "this frame"]);
-      named(range, "range", "Range over").onChange(events.rangeOver);
+      named(range, "range", "Colour range of").onChange(events.rangeOver);
     }
     named(folder.add(choices, "colorMap", Object.keys(COLOR_MAPS)), "colorMap", "Colour map");
     if (events.deform) {
@@ -100,18 +100,18 @@ export class DisplayPanel {
     if (parts.some((_, i) => !viewport.isShown(i))) named(folder.add(choices, "cells"), "cells", "Coarse cells (c)");
     if (!viewport.flat) {
       named(folder.add(choices, "ground"), "ground", "Show ground");
-      named(folder.add(choices, "parallel"), "parallel", "Parallel view (o)");
+      named(folder.add(choices, "parallel"), "parallel", "Orthographic view (o)");
     }
     if (colliders.length > 0) named(folder.add(choices, "colliders"), "colliders", "Show colliders");
     if (marks.length > 0) named(folder.add(choices, "marks"), "marks", "Boundary conditions, loads (m)");
-    named(folder.add(choices, "drawing", ["auto", "full", "light"]), "drawing", "Drawing").onChange(events.drawing);
+    named(folder.add(choices, "drawing", ["auto", "full", "light"]), "drawing", "Graphics").onChange(events.drawing);
     named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
       theme.choose(choice),
     );
     if (!viewport.flat) {
-      const cut = folder.addFolder("Cut").close();
-      named(cut.add(choices, "cut"), "cut", "Cut open (x)");
-      named(cut.add(choices, "cutAxis", ["x", "y", "z"]), "cutAxis", "Across");
+      const cut = folder.addFolder("Section cut").close();
+      named(cut.add(choices, "cut"), "cut", "Show the cut (x)");
+      named(cut.add(choices, "cutAxis", ["x", "y", "z"]), "cutAxis", "Normal");
       const share = {
         least: 0,
         greatest: 1,
@@ -120,8 +120,8 @@ export class DisplayPanel {
         allowed: [0, 1] as [number, number],
         complain: events.complain,
       };
-      named(new NumberSlider(cut, choices, "cutAt", share), "cutAt", "At");
-      named(cut.add(choices, "cutFlip"), "cutFlip", "Other side");
+      named(new NumberSlider(cut, choices, "cutAt", share), "cutAt", "Position");
+      named(cut.add(choices, "cutFlip"), "cutFlip", "Flip side");
     }
     this.folder = folder;
   }

@@ -34,8 +34,8 @@ export class HeadUp {
     this.add("phases", "assembly + solve + surface + other", "milliseconds of one step by phase", 22, "wide");
     this.add("iterations", "Newton · CG", "iterations of the last step", 8);
     this.add("residual", "force residual", "the largest unbalanced force, absolute and relative to the load", 17);
-    this.add("volume", "smallest volume", "smallest volume ratio J (deformed over reference volume)", 6);
-    this.add("inverted", "inverted", "inverted elements", 5, "wide");
+    this.add("volume", "smallest volume ratio", "smallest volume ratio J (deformed over reference volume)", 6);
+    this.add("inverted", "inverted elements", "number of inverted elements", 5, "wide");
     this.contact = this.add(
       "contact",
       "smallest gap · pairs",
@@ -88,7 +88,7 @@ export class HeadUp {
       ([key], i) => (this.phases[i].style.width = `${Math.min((100 * (status[key] as number)) / whole, 100)}%`),
     );
     const warnings = grouped(status.warnings ?? []);
-    const said = status.words || (status.converged ? "solved" : "not converged in the time of a frame");
+    const said = status.words || (status.converged ? "converged" : "not converged within one frame");
     setText(this.stateWords, said);
     setText(this.warning, warnings.join("; "));
     if (this.stateWords.parentElement === null) this.words.replaceChildren(this.stateWords, this.warning);

@@ -27,7 +27,7 @@ export interface LiveEvents {
   found(): void;
 }
 
-const NOT_UNDERSTOOD = "This page does not understand the program; load it again.";
+const NOT_UNDERSTOOD = "This page does not match the program; reload the page.";
 const RETRY = 1000; // [ms]
 
 export class LiveConnection {

@@ -26,17 +26,17 @@ const KEYS: [string, string][] = [
   ["wheel, two fingers", "zoom"],
   ...CAMERA_KEYS,
   ["arrows, Enter", "move the pointer on the body; apply the tool, release"],
-  ["1 2 3 4 5", "hand, pin, poke, fix a face, put a load on one (again: free it)"],
+  ["1 2 3 4 5", "hand, pin, poke, fix a face, load a face (a second click undoes it)"],
   ["Ctrl z", "undo"],
-  ["q", "go to the equilibrium"],
+  ["q", "solve for the equilibrium"],
   ["Ctrl s", "save the scene with its fixed faces"],
   ["Ctrl o, a file dropped", "open a mesh or a surface"],
-  ["v p", "start and stop a film; a picture without a background"],
+  ["v p", "record a film; save a picture with a transparent background"],
   ["Space", "pause and continue"],
   ["s", "single step"],
   ["r", "reset to the start"],
-  ["f", "show the whole scene"],
-  ["w e c x m o", "wireframe, edges, coarse cells, cut, boundary conditions and loads, parallel view"],
+  ["f", "fit the view to the scene"],
+  ["w e c x m o", "wireframe, edges, coarse cells, section cut, boundary conditions and loads, orthographic view"],
   ["?", "this help"],
 ];
 
@@ -155,8 +155,8 @@ export class LiveApp {
       ["hand", "Hand: drag the body (1)"],
       ["pin", "Pin: fix a point where it is (2)"],
       ["poke", "Poke: push with a ball (3)"],
-      ["hold", "Fix: a click on a face fixes it, a second one frees it (4)"],
-      ["load", "Load: a click puts a force or a pressure on a face, a second one takes it away (5)"],
+      ["hold", "Fix: a click on a face fixes it, a second click releases it (4)"],
+      ["load", "Load: a click applies a force or a pressure to a face, a second click removes it (5)"],
     ];
     for (const [tool, label] of names) {
       const button = iconButton(tool, label, () => this.chooseTool(tool));
@@ -167,7 +167,7 @@ export class LiveApp {
     group(
       this.pauseButton,
       iconButton("step", "Single step (s)", () => this.connection.send({ type: "step" })),
-      iconButton("settle", "Go to the equilibrium (q)", () => this.connection.send({ type: "settle" })),
+      iconButton("settle", "Solve for the equilibrium (q)", () => this.connection.send({ type: "settle" })),
       iconButton("reset", "Reset (r)", () => this.connection.send({ type: "reset" })),
       iconButton("undo", "Undo (Ctrl z)", () => this.undo()),
     );
@@ -390,7 +390,7 @@ export class LiveApp {
     if (this.tools.isHolding) return this.tools.release();
     if (!this.crosshair.isShown) this.crosshair.show(this.shell.middleOfBody());
     if (this.tools.clicks) return this.tools.click(this.crosshair.place);
-    if (!this.tools.press(this.crosshair.place)) this.overlays.say("There is nothing to grab at the cross.");
+    if (!this.tools.press(this.crosshair.place)) this.overlays.say("No body under the cross.");
   }
 
   private leaveCrosshair(): void {

@@ -84,7 +84,7 @@ export class LivePanel {
       made.domElement.dataset.testid = `set-${property.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`)}`;
       made.domElement.title = help;
     };
-    slider("pokeRadius", "Poking ball [m]", "Radius of the ball", {
+    slider("pokeRadius", "Ball radius [m]", "Radius of the rigid ball of the poke tool", {
       ...length,
       least: 0.02 * extent,
       allowed: [1e-6 * extent, 10 * extent],
@@ -92,7 +92,7 @@ export class LivePanel {
     slider(
       "faceAngle",
       "Fixed face: angle [°]",
-      "Largest angle between the normals of a fixed face and of the clicked point",
+      "Largest angle between the normal at the clicked point and those of the fixed facets",
       {
         least: 1,
         greatest: 90,
@@ -109,7 +109,7 @@ export class LivePanel {
     });
     const kind = folder.add(this.tools, "loadKind", { force: "force", pressure: "pressure" }).name("Load on a face");
     kind.domElement.dataset.testid = "set-load_kind";
-    kind.domElement.title = "A click with the load tool puts this on the face; a second one takes it away";
+    kind.domElement.title = "A click with the load tool applies this to the face; a second click removes it";
     const least = 1e-3;
     const amount = (property: "loadForce" | "loadPressure", name: string, unit: string, help: string) => {
       const range: NumberRange = { least, greatest: 1e8, step: "logarithmic", unit, allowed: [-1e15, 1e15], complain };
@@ -118,15 +118,15 @@ export class LivePanel {
       made.domElement.title = help;
     };
     const force = perDepth("N", dimension);
-    amount("loadForce", "Force", force, "Total force on the face, against its normal; less than 0 pulls");
-    amount("loadPressure", "Pressure", "Pa", "Pressure on the face, which turns with it; less than 0 sucks");
+    amount("loadForce", "Force", force, "Total force on the face, against its normal; a negative one pulls");
+    amount("loadPressure", "Pressure", "Pa", "Follower pressure on the face; a negative one is suction");
     const button = (name: string, message: PageMessage) =>
       folder.add({ press: () => this.actions.send(message) }, "press").name(name);
     button("Remove all pins", { type: "unpin_all" });
-    button("Free all fixed faces", { type: "free_faces" });
-    button("Remove all loads put on faces", { type: "remove_loads" });
+    button("Release all fixed faces", { type: "free_faces" });
+    button("Remove all face loads", { type: "remove_loads" });
     if (saves) button("Save the scene (Ctrl s)", { type: "save" });
-    button("Read the scene again", { type: "reload" });
+    button("Reload the scene", { type: "reload" });
   }
 
   /** The body with the material that the controls show and change; null: all bodies. */

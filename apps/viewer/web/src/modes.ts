@@ -1,4 +1,4 @@
-/** Free vibrations of a recorded run: their frequencies, and the tone that each makes. */
+/** Modal analysis of a recorded run: eigenfrequencies, and the tone of each mode. */
 
 import type { RecordedFrame } from "./recording";
 import type { Report } from "./report";
@@ -24,12 +24,8 @@ export function modesOf(frames: RecordedFrame[], report: Report | null): (Mode |
 
 /** "mode 7 of 12 · 523 Hz". */
 export function modeWords(mode: Mode | null, count: number): string {
-  if (!mode) return "at rest";
-  const words = mode.isUnstable
-    ? "unstable: the mode grows"
-    : mode.isRigid
-      ? "moves as a rigid body"
-      : withUnit(mode.frequency, "Hz", 4);
+  if (!mode) return "reference configuration";
+  const words = mode.isUnstable ? "unstable" : mode.isRigid ? "rigid-body mode" : withUnit(mode.frequency, "Hz", 4);
   return `mode ${mode.number} of ${count} · ${words}`;
 }
 

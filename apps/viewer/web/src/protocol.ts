@@ -207,7 +207,8 @@ type Drawn = Pick<Header, "parts" | "colliders" | "dimension">;
 export function decodeTopology(buffer: ArrayBuffer, { parts, colliders = [], dimension }: Drawn): Topology {
   const view = new DataView(buffer);
   if (view.getUint32(0, true) !== TOPOLOGY) throw new Error("The topology does not begin with RST1.");
-  if (view.getUint32(4, true) !== parts.length) throw new Error("The topology has other parts than the header.");
+  if (view.getUint32(4, true) !== parts.length)
+    throw new Error("The parts of the topology differ from those of the header.");
   const triangles: Uint32Array[] = [];
   const edges: Uint32Array[] = [];
   const tetrahedra: Uint32Array[] = [];
@@ -248,7 +249,8 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
   const view = new DataView(buffer);
   const vertices = view.getUint32(20, true);
   const flags = view.getUint32(24, true);
-  if (3 * vertices !== positions.length) throw new Error("A frame has another number of vertices than the header.");
+  if (3 * vertices !== positions.length)
+    throw new Error("The number of vertices of a frame differs from that of the header.");
   const float = (offset: number) => view.getFloat32(offset, true);
   const [x, y, z] = [float(32), float(36), float(40)];
   const [dx, dy, dz] = [float(44) / 65535, float(48) / 65535, float(52) / 65535];

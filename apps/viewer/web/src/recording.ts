@@ -55,7 +55,7 @@ export async function readRecording(buffer: ArrayBuffer, progress: (share: numbe
   for (const [i, record] of records.entries()) {
     const payload = new Uint8Array(buffer, record.begin, record.length);
     if (crc32(payload) !== record.checksum) {
-      damage = `The recording is damaged after ${i} frames; what lies behind is left out.`;
+      damage = `The recording is damaged after ${i} frames; later frames are not shown.`;
       break;
     }
     const frame = await decoder.decode(payload);

@@ -22,7 +22,7 @@ import { joined, type Viewport } from "./viewport";
 import * as THREE from "three";
 
 const KEYS: [string, string][] = [
-  ["left button", "rotate the camera; a click on the body plots the values there"],
+  ["left button", "rotate the camera; a click on the body plots the values at that point"],
   ["middle button, Shift and left button", "pan the camera"],
   ["wheel, two fingers", "zoom"],
   ...CAMERA_KEYS,
@@ -30,10 +30,10 @@ const KEYS: [string, string][] = [
   ["← →", "previous frame, next frame"],
   ["Enter", "probe the body: arrows move the cross, Escape ends it"],
   ["Home End", "first frame, last frame"],
-  ["f", "show the whole scene"],
-  ["w e c x m o", "wireframe, edges, coarse cells, cut, boundary conditions and loads, parallel view"],
+  ["f", "fit the view to the scene"],
+  ["w e c x m o", "wireframe, edges, coarse cells, section cut, boundary conditions and loads, orthographic view"],
   ["l", "plot the field along a line between two clicks"],
-  ["v p", "start and stop a film; a picture without a background"],
+  ["v p", "record a film; save a picture with a transparent background"],
   ["Escape", "remove the probe"],
   ["?", "this help"],
 ];
@@ -87,7 +87,7 @@ export class ResultsApp {
     this.shell.addDisplay({
       deform: (scale) => {
         this.scale = scale;
-        this.shell.bar.setNote(scale === 1 ? "" : `displacement drawn ${plain(scale)}×`);
+        this.shell.bar.setNote(scale === 1 ? "" : `displacement scaled by ${plain(scale)}`);
         this.wanted ??= this.timeline.index;
       },
       mostDeformed: this.mostDeformed,
@@ -152,7 +152,7 @@ export class ResultsApp {
     const { frames, skipped, damage } = recording;
     const modes = modesOf(frames, report).filter((mode) => mode !== null).length;
     words.push(modes > 0 ? `${modes} modes` : frames.length === 1 ? "one frame" : `${frames.length} frames`);
-    if (skipped > 0) words.push(`every ${skipped + 1}th recorded frame, because all would not fit`);
+    if (skipped > 0) words.push(`one recorded frame in ${skipped + 1}, because memory is short`);
     if (report && report.status !== "done") words.push(report.reason || report.status);
     if (damage) words.push(damage);
     this.shell.warnings.set(report?.warnings ?? []);
@@ -190,14 +190,14 @@ export class ResultsApp {
     this.line.push(hit);
     this.plots.root.hidden = false;
     this.wanted ??= this.timeline.index;
-    if (this.line.length === 1) this.overlays.say("Now click where the line ends.", "fine");
+    if (this.line.length === 1) this.overlays.say("Click the end of the line.", "fine");
   }
 
   /** The next two clicks are the ends of a line. */
   private toggleLine(): void {
     this.line = this.line === null ? [] : null;
     this.lineButton.setAttribute("aria-pressed", String(this.line !== null));
-    if (this.line !== null) this.overlays.say("Click where the line begins.", "fine");
+    if (this.line !== null) this.overlays.say("Click the start of the line.", "fine");
     this.wanted ??= this.timeline.index;
   }
 
@@ -341,7 +341,7 @@ export class ResultsApp {
     if (this.takingUp!.frames.some((frame) => frame.number === number)) {
       this.addressBar.write(); // to which the browser's way back leads
       goTo(writeAddress({ ...this.view(), range: undefined, from: number }));
-    } else this.overlays.say(`The state of frame ${number} is not in this page; take another one.`);
+    } else this.overlays.say(`The state of frame ${number} is not in this page; select another one.`);
   }
 
   private key(event: KeyboardEvent): void {

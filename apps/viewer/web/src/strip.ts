@@ -15,7 +15,7 @@ export class Strip {
   private readonly history: Status[] = [];
 
   constructor() {
-    this.steps = chart("Time of a step", "step", [{ label: "step", unit: "s" }]);
+    this.steps = chart("Time per step", "step", [{ label: "step", unit: "s" }]);
     this.energies = chartOfEnergies(this.dimension);
     this.root = element("div", { class: "card strip", data: "strip" }, this.steps.root, this.energies.root);
   }

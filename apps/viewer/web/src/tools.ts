@@ -129,7 +129,7 @@ export class Tools {
       return Math.hypot(seen.x - at.x, seen.y - at.y) < PIN_REACH;
     });
     if (near !== undefined) {
-      this.history.add("a pin was taken away", { type: "pin", vertex: near });
+      this.history.add("removal of a pin", { type: "pin", vertex: near });
       return this.connection.send({ type: "unpin", vertex: near });
     }
     const hit = this.viewport.pickAt(at.x, at.y);

@@ -53,7 +53,7 @@ export function served(token: string): Scenery {
     async send(file) {
       const address = `open?token=${encodeURIComponent(token)}&name=${encodeURIComponent(file.name)}`;
       const answer = await fetch(address, { method: "POST", body: file }).catch(() => {
-        throw new Error(`“${file.name}” cannot be sent: it is no file that can be read, or the program is gone.`);
+        throw new Error(`“${file.name}” cannot be sent: the file cannot be read, or the program has ended.`);
       });
       const words = (await answer.text()).trim();
       if (!answer.ok) throw new Error(words || `The program refuses the file (${answer.status}).`);

@@ -23,12 +23,12 @@ export class Triad {
   private readonly axes: Axis[] = [];
   private readonly stage = element("div", { class: "triad-stage" });
   private readonly buttons = element("div", { class: "triad-buttons" });
-  private readonly parallel = iconButton("parallel", "Parallel lines of sight (o)", () => this.events.parallel());
+  private readonly parallel = iconButton("parallel", "Orthographic view (o)", () => this.events.parallel());
   private last = "";
 
   constructor(private readonly events: { seeAll(): void; parallel(): void; moved(): void }) {
     this.buttons.append(
-      iconButton("see-all", "Show the whole scene (f)", () => events.seeAll()),
+      iconButton("see-all", "Fit the view (f)", () => events.seeAll()),
       this.parallel,
     );
     this.root.append(this.stage, this.buttons);

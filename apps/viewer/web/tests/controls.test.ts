@@ -55,7 +55,7 @@ test("every control changes what it says", async () => {
     await page.getByTestId("scene").focus();
     await page.keyboard.press("g");
     await watched.until(`resilin.state.values.ground === ${ground}`);
-    await page.getByText("Read the scene again").click();
+    await page.getByText("Reload the scene").click();
     await watched.until("resilin.state.values.youngs_modulus === 30000");
   });
 });

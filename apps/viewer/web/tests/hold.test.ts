@@ -104,7 +104,7 @@ test("faces are held by keys alone, all are freed at once, and the reach is chos
       await watched.until("resilin.state.held.length === 1");
       const near = await watched.value<number>("resilin.state.held[0].vertices.length");
       assert.ok(near < whole, `${near} of ${whole}`);
-      await page.getByRole("button", { name: "Free all fixed faces" }).click();
+      await page.getByRole("button", { name: "Release all fixed faces" }).click();
       await watched.until("resilin.state.held.length === 0");
       assert.equal(await held(watched), 0);
     });

@@ -23,8 +23,8 @@ async function withScene(scene: string, work: (page: Watched) => Promise<void>):
 }
 
 const buttonCases = [
-  { key: "4", button: "Free all fixed faces", count: "resilin.state.held.length" },
-  { key: "5", button: "Remove all loads put on faces", count: "resilin.state.loads.length" },
+  { key: "4", button: "Release all fixed faces", count: "resilin.state.held.length" },
+  { key: "5", button: "Remove all face loads", count: "resilin.state.loads.length" },
 ];
 
 for (const { key, button, count } of buttonCases)

@@ -131,7 +131,7 @@ test("a frame is decoded as docs/view_protocol.md says", () => {
   assert.deepEqual([...frame.positions], [-1, 2, 2, 3, 0, 2]);
   assert.deepEqual([frame.number, frame.time, frame.answersDrag, frame.field], [9, 1.5, 4, 1]);
   assert.deepEqual([...frame.normals!, ...frame.fieldValues!], [127, 0, 0, -127, 1, 65535]);
-  assert.throws(() => decodeFrame(buffer, new Float32Array(9)), /another number of vertices/);
+  assert.throws(() => decodeFrame(buffer, new Float32Array(9)), /number of vertices/);
 });
 
 test("colliders follow the bodies in topology and frames", () => {
@@ -342,7 +342,7 @@ test("curves of vibrations are their frequencies, without those of rigid modes",
   assert.equal(timeAxis(frames).label, "mode");
   const third = { number: 2, frequency: 440, isRigid: false, isUnstable: false };
   assert.equal(modeWords(third, 12), "mode 2 of 12 · 440 Hz");
-  assert.equal(modeWords({ ...third, isRigid: true }, 12), "mode 2 of 12 · moves as a rigid body");
+  assert.equal(modeWords({ ...third, isRigid: true }, 12), "mode 2 of 12 · rigid-body mode");
   assert.deepEqual([swingAt(0), Math.round(swingAt(0.5)), swingAt(1)], [1, -1, 1]);
 });
 

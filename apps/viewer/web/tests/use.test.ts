@@ -270,7 +270,7 @@ test("values out of range are refused with a word, and none is changed in silenc
     await page.getByText(/“abc” is not a number/).waitFor();
     assert.notEqual(await damping.inputValue(), "abc");
     const ball = await type("poke_radius", "-1");
-    await page.getByText(/Poking ball .*: expected a number from .* to .*, got/).waitFor();
+    await page.getByText(/Ball radius .*: expected a number from .* to .*, got/).waitFor();
     assert.ok(Number(await ball.inputValue()) > 0);
     const limit = page.getByTestId("set-newton_limit").locator("input:not([type=range])");
     assert.equal(await limit.inputValue(), "no limit");
