@@ -13,6 +13,7 @@
 #include "resilin/material/curve.hpp"
 #include "resilin/material/law.hpp"
 #include "resilin/material/reference.hpp"
+#include "resilin/scene/material_library.hpp"
 #include "terminal.hpp"
 
 namespace resilin::cli {
@@ -26,6 +27,7 @@ struct MaterialsOptions {
   CurveOptions curve;
   bool json = false;
   bool reference = false;
+  bool library = false;
 };
 
 /// A small picture of a law: nominal stress of a bar pulled with free sides, and of simple shear by
@@ -125,8 +127,46 @@ void check_options(const MaterialsOptions& options) {
   }
 }
 
+Json library_json(const LibraryMaterial& material) {
+  Json json = {{"name", material.name},       {"about", material.about},
+               {"law", material.law},         {"constants", material.constants},
+               {"density", material.density}, {"youngs_modulus", material.youngs_modulus},
+               {"range", material.range},     {"source", material.source}};
+  if (!material.g.empty()) json["viscoelastic"] = {{"g", material.g}, {"tau", material.tau}};
+  return json;
+}
+
+void print_library_material(const LibraryMaterial& material) {
+  print_line(material.name + ": " + material.about);
+  std::string constants;
+  for (const auto& [name, value] : material.constants)
+    constants += (constants.empty() ? "" : ", ") + name + " = " + format_short(value);
+  print_line("  " + material.law + ": " + constants);
+  print_line("  E at small strain " + format_short(material.youngs_modulus) + " Pa, density " +
+             format_short(material.density) + " kg/m^3");
+  for (std::size_t i = 0; i < material.g.size(); ++i)
+    print_line("  relaxes by " + format_short(material.g[i]) + " in " + format_short(material.tau[i]) + " s");
+  print_line("  valid for " + material.range);
+  print_line("  source: " + material.source + "\n");
+}
+
+void print_library(bool as_json) {
+  Json all = Json::array();
+  for (const LibraryMaterial& material : material_library())
+    as_json ? all.push_back(library_json(material)) : print_library_material(material);
+  if (as_json) return print_line(all.dump(1));
+  print_line("In a scene: material = { library = \"" + material_library().front().name + "\" }");
+}
+
 int materials(const MaterialsOptions& options) {
   check_options(options);
+  if (options.library) {
+    if (!options.law.empty())
+      throw InputError("materials", "--library without a law", '"' + options.law + '"',
+                       "resilin materials " + options.law + " describes the law");
+    print_library(options.json);
+    return done;
+  }
   if (options.reference) {
     print_text(law_reference());
     return done;
@@ -190,6 +230,7 @@ void add_materials(CommandLine& line, Action& action) {
   command.option("law", options->law, "Name of a constitutive model (law)").offers(law_words);
   const std::array<Option, 2> hooke = add_material_options(command, options->material);
   add_curve_options(command, options->curve);
+  command.flag("--library", options->library, "List the materials that have names, with their sources");
   command.flag("--json", options->json, "Print JSON");
   command.flag("--reference", options->reference, "Print the page docs/laws.md");
   command.footer(

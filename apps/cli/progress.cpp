@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "resilin/core/text.hpp"
 #include "resilin/results/step_progress.hpp"
 #include "terminal.hpp"
 
@@ -51,6 +52,8 @@ std::string Progress::state_text(const Simulation& simulation, const StepReport&
   } else {
     text += fmt::format(", load {:.4g}", state.load);
   }
+  if (const std::string& name = simulation.frame().step_name; !name.empty())
+    text += fmt::format(", \"{}\"", one_line(name));
   text += fmt::format(", {} Newton, residual {:.1e}", report.newton.iterations,
                       report.newton.relative_residual());
   if (simulation.world().is_dynamic) {

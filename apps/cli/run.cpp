@@ -89,6 +89,18 @@ void print_discretisation_errors(const World& world, const DiscretisationErrors&
   if (!parts.empty()) print_line("estimated discretisation error: " + join(parts));
 }
 
+/// The stiffness along each axis of those supports that ask for it.
+void print_stiffness(const std::vector<SupportStiffness>& all, int dim) {
+  for (const SupportStiffness& stiffness : all) {
+    Vector3 along = Vector3::Zero();
+    for (int k = 0; k < dim; ++k)
+      along[k] = stiffness.by_displacement[static_cast<std::size_t>(k) * static_cast<std::size_t>(dim) +
+                                           static_cast<std::size_t>(k)];
+    print_line("stiffness of " + one_line(stiffness.name) + ": " + vector_text(along, dim) + " N/m" +
+               (stiffness.by_rotation ? ", " + format_short(*stiffness.by_rotation) + " N m/rad" : ""));
+  }
+}
+
 void print_end(const Simulation& simulation, const ResultFolder& results, const RunOutcome& outcome,
                double setup_seconds, double total) {
   const Frame& frame = simulation.frame();
@@ -106,6 +118,7 @@ void print_end(const Simulation& simulation, const ResultFolder& results, const 
              ? "itself: " + gap  // its forces on itself have no sum
              : name_of(contact.other) + ": " + vector_text(contact.force, dim) + " N on the latter, " + gap));
   }
+  print_stiffness(outcome.stiffness, dim);
   print_line("smallest volume ratio " + format_short(frame.min_volume_ratio));
   print_discretisation_errors(simulation.world(), outcome.discretisation_errors);
   const Timing& timing = simulation.timing();

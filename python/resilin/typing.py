@@ -140,13 +140,34 @@ class ExtremesReport(TypedDict):
     max: ExtremeReport
 
 
-class ContactReport(TypedDict):
-    """Two bodies in contact; the force is on the second, the first feels the opposite."""
-
+class _Contact(TypedDict):
     bodies: list[str]
     force: list[float]
     gap: float
     pairs: int
+
+
+class ContactReport(_Contact, total=False):
+    """Two bodies in contact; the force is on the second, the first feels the opposite. The rest on its surface."""
+
+    area: float
+    pressure: float
+    mean_pressure: float
+    normal_force: float
+    center: list[float]
+    extent: list[float]
+
+
+class ColliderContactReport(TypedDict):
+    """What a collider presses on: its force [N], the area [m^2] and the largest and mean pressure [Pa]."""
+
+    force: list[float]
+    area: float
+    pressure: float
+    mean_pressure: float
+    normal_force: float
+    center: list[float]
+    extent: list[float]
 
 
 class _Frame(TypedDict):
@@ -176,6 +197,8 @@ class _Frame(TypedDict):
 class FrameReport(_Frame, total=False):
     """A frame of report.json; these where there is one."""
 
+    step_name: str
+    collider_contacts: dict[str, ColliderContactReport]
     mode: ModeReport
     time_step: float
     time_error: float
@@ -227,9 +250,7 @@ class ReportedBody(BodyReport):
     mesh_volume_ratio: float | None
 
 
-class FixReport(TypedDict):
-    """Selection of a boundary condition: its area [m^2], and its centre in the frame of `where` [m]."""
-
+class _Selection(TypedDict):
     name: str
     nodes: int
     facets: int
@@ -237,7 +258,17 @@ class FixReport(TypedDict):
     center: list[float]
 
 
-class LoadReport(FixReport):
+class FixReport(_Selection, total=False):
+    """Selection of a boundary condition: its area [m^2], and its centre in the frame of `where` [m].
+
+    A support that asks for it has its tangent stiffness [N/m], and that of its rotation [N m/rad].
+    """
+
+    stiffness: list[list[float]]
+    rotational_stiffness: float
+
+
+class LoadReport(_Selection):
     """A load; at load factor 1 its force [N] and its moment about the centre [N m], None of a spring."""
 
     kind: str

@@ -20,7 +20,7 @@
 namespace resilin {
 
 RESILIN_MEMBERS(DiscretisationError, share, estimate)
-RESILIN_MEMBERS(RunOutcome, status, reason, warnings, discretisation_errors, estimate_seconds)
+RESILIN_MEMBERS(RunOutcome, status, reason, warnings, discretisation_errors, estimate_seconds, stiffness)
 RESILIN_MEMBERS(Timing, assembly, solve, steps)
 RESILIN_MEMBERS(RunSummary, outcome, solver, failed_steps, most_strained, timing, total_seconds,
                 output_seconds)

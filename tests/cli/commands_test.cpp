@@ -204,6 +204,19 @@ TEST_F(Commands, MaterialsTellsConstantsFormulaAndCurves) {
   EXPECT_THAT(one.out, HasSubstr("1e+05"));
 }
 
+TEST_F(Commands, MaterialsListsTheLibraryWithSources) {
+  const nlohmann::json all = nlohmann::json::parse(run({"materials", "--library", "--json"}).out);
+  EXPECT_GE(all.size(), 6u);
+  for (const nlohmann::json& material : all)
+    for (const char* key : {"name", "law", "range", "source"})
+      EXPECT_FALSE(material[key].get<std::string>().empty()) << key;
+  const ProgramResult list = run({"materials", "--library"});
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  for (const char* part : {"natural_rubber_yeoh: ", "Treloar 1944", "material = { library = "})
+    EXPECT_THAT(list.out, HasSubstr(part));
+  EXPECT_EQ(run({"materials", "yeoh", "--library"}).exit_code, 1);
+}
+
 TEST_F(Commands, InfoTellsHowItWasBuilt) {
   const nlohmann::json info = nlohmann::json::parse(run({"info", "--json"}).out);
   for (const char* key : {"version", "compiler", "instruction_set", "blas_kernel", "solvers", "threads"}) {

@@ -66,5 +66,29 @@ TEST(ContactPressure, OfASkinIsThatOfItsFacets) {
     }
 }
 
+/// The whole underside, with the weight in its middle.
+TEST(ContactPatches, OfABlockAtRestAreItsUnderside) {
+  for (const int dimension : {2, 3})
+    for (const bool is_on_a_body : {false, true}) {
+      SCOPED_TRACE(std::to_string(dimension) + (is_on_a_body ? " on a body" : " on the ground"));
+      const Simulation simulation = converged_end_of(resting_block(dimension, "P1", is_on_a_body));
+      const std::vector<ContactPatch> patches = contact_patches(simulation.world(), simulation.state());
+      ASSERT_EQ(patches.size(), 1U);
+      const ContactPatch& patch = patches[0];
+      EXPECT_EQ(patch.collider, is_on_a_body ? "" : "ground");
+      const double area = dimension == 2 ? 0.6 : 0.36, weight = 1000 * 9.81 * 0.3 * area;
+      EXPECT_NEAR(patch.area, area, 0.01 * area);
+      EXPECT_NEAR(patch.force, weight, 0.01 * weight);
+      EXPECT_NEAR(patch.mean_pressure(), weight / area, 0.02 * weight / area);
+      EXPECT_LT(patch.largest_pressure, 1.06 * weight / area);
+      for (int k = 0; k < dimension - 1; ++k) {
+        EXPECT_NEAR(patch.center[k], 0.3, 1e-3);
+        EXPECT_NEAR(patch.extent[k], 0.6, 1e-3);
+      }
+      EXPECT_NEAR(patch.center[dimension - 1], 0, 1e-3);
+      EXPECT_NEAR(patch.extent[dimension - 1], 0, 1e-3);
+    }
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -81,7 +81,7 @@ bool is_seen_by_no_step(const Path& path) {
   static const std::set<std::string> tables = {"title", "probe", "section", "output"};
   static const std::set<std::string> keys = {"load_steps",     "load_control", "max_steps",
                                              "unstable_modes", "on_jump",      "max_failures"};
-  return tables.contains(path[0]) ||
+  return tables.contains(path[0]) || (path[0] == "fix" && path.back() == "stiffness") ||
          std::ranges::any_of(path, [](const std::string& key) { return keys.contains(key); });
 }
 

@@ -172,7 +172,10 @@ TEST(Steps, RefuseInOneLineWhatIsWrong) {
            Wrong{hold, hold + "\nactivate = [\"load.press\"]", "\"load.press\" is active already"},
            Wrong{hold, hold + "\nactivate = \"load.press\"", "expected a list of names"},
            Wrong{hold, hold + "\nactivate = [\"fix.wall\"]", "it has no displacement"},
-           Wrong{hold, hold + "\ndeactivate = [\"fix.grip\"]", "steps release no support"},
+           Wrong{hold, hold + "\nactivate = [\"fix.grip\"]", "\"fix.grip\" is active already"},
+           Wrong{hold, hold + "\nactivate = [\"gravity\"]", "what a step can switch in this scene"},
+           Wrong{hold, hold + "\nactivate = [\"contact.block.block\"]",
+                 "contact pairs are the same in all steps"},
            Wrong{hold, hold + "\ndeactivate = [\"load.shear\"]", "no step before activates \"load.shear\""},
            Wrong{"[\"load.press\", \"collider.plate\"]", "[\"load.press\", \"load.press\"]",
                  "is twice in one step"},
@@ -180,7 +183,6 @@ TEST(Steps, RefuseInOneLineWhatIsWrong) {
                  "\"collider.plate\" is not active here"},
            Wrong{"value = [-2e4, 0, 0]", "value = [-2e4, 0, 0]\nuntil = 3", "says when it acts"},
            Wrong{"load_steps = 2", "end_time = 3", "add up to the end"},
-           Wrong{"load_steps = 2", "gravity = [0, 0, -9.81]", "kind \"body_force\""},
            Wrong{"load_steps = 2", "load_control = \"arc_length\"", "one load path"},
            Wrong{"\"static\"", "\"modes\"", "a modal analysis has no steps"},
            Wrong{"\"static\"", "\"dynamic\"", "needs the key \"duration\""},
@@ -189,6 +191,251 @@ TEST(Steps, RefuseInOneLineWhatIsWrong) {
     EXPECT_NE(message.find(expected), message.npos) << to << ": " << message;
     EXPECT_EQ(message.find('\n'), message.npos) << message;
   }
+}
+
+/// A bar that is pulled, let go, and held again where it then is.
+const std::string pulled_bar = R"(
+[simulation]
+kind = "static"
+load_steps = 2
+
+[[body]]
+name = "bar"
+mesh = { box = { size = [2, 1, 1], cells = [3, 1, 1] } }
+material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3, density = 1000 }
+
+[[fix]]
+name = "wall"
+where = { group = "x_min" }
+
+[[fix]]
+name = "grip"
+where = { group = "x_max" }
+displacement = [0.3, 0, 0]
+
+[[load]]
+name = "shear"
+kind = "traction"
+where = { group = "x_max" }
+value = [0, 1e4, 0]
+
+[[step]]
+name = "pull"
+activate = ["fix.grip"]
+
+[[step]]
+name = "let go"
+deactivate = ["fix.grip"]
+
+[[step]]
+name = "shear"
+activate = ["load.shear"]
+
+[[step]]
+name = "hold"
+activate = ["fix.grip"]
+
+[[step]]
+name = "unload"
+deactivate = ["load.shear"]
+)";
+
+void step_to(Simulation& simulation, double time) {
+  while (simulation.state().time < time - 1e-9) {
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+  }
+}
+
+const Vector3& reaction_of(const Simulation& simulation, const std::string& name) {
+  for (const auto& [known, force] : simulation.frame().reactions)
+    if (known == name) return force;
+  throw std::logic_error("no reaction of " + name);
+}
+
+/// The mean displacement of the grip.
+Vector3 grip_of(const Simulation& simulation) {
+  const World& world = simulation.world();
+  Vector3 sum = Vector3::Zero();
+  for (const Index node : world.supports[1].nodes)
+    sum += (simulation.state().positions - world.rest_positions).segment(3 * node, 3);
+  return sum / static_cast<double>(world.supports[1].nodes.size());
+}
+
+TEST(Steps, ReleaseASupportWhoseForceFadesInStatics) {
+  Simulation bar(read_text(pulled_bar).description);
+  step_to(bar, 1);
+  EXPECT_EQ(bar.frame().step_name, "pull");
+  const double pull = reaction_of(bar, "grip").x();
+  ASSERT_GT(pull, 1e5);
+  step_to(bar, 1.5);
+  EXPECT_EQ(bar.frame().step_name, "let go");
+  EXPECT_NEAR(reaction_of(bar, "grip").x(), 0.5 * pull, 1e-9 * pull);
+  EXPECT_NEAR(reaction_of(bar, "wall").x(), -0.5 * pull, 1e-6 * pull);
+  step_to(bar, 2);
+  EXPECT_LT((bar.state().positions - bar.world().rest_positions).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_EQ(reaction_of(bar, "grip").norm(), 0);
+  step_to(bar, 3);
+  const Vector3 sheared = grip_of(bar);
+  EXPECT_GT(sheared.y(), 1e-2);
+  // Held where it is, it moves from there by its displacement.
+  step_to(bar, 4);
+  EXPECT_LT((grip_of(bar) - sheared - Vector3(0.3, 0, 0)).norm(), 1e-12);
+  step_to(bar, 5);
+  EXPECT_LT((grip_of(bar) - sheared - Vector3(0.3, 0, 0)).norm(), 1e-12);
+  EXPECT_EQ(bar.frame().step_name, "unload");
+}
+
+/// The grip takes over what the load has held.
+TEST(Steps, HoldASupportFromALaterStepOn) {
+  std::string text = changed(pulled_bar, "displacement = [0.3, 0, 0]", "");
+  text =
+      changed(text, "activate = [\"fix.grip\"]\n\n[[step]]\nname = \"let go\"\ndeactivate = [\"fix.grip\"]",
+              "deactivate = [\"fix.grip\"]");
+  Simulation bar(read_text(text).description);
+  step_to(bar, 2);
+  const VectorX sheared = bar.state().positions;
+  ASSERT_GT(grip_of(bar).y(), 1e-2);
+  EXPECT_EQ(reaction_of(bar, "grip").norm(), 0);
+  step_to(bar, 4);
+  EXPECT_LT((bar.state().positions - sheared).cwiseAbs().maxCoeff(), 1e-6);
+  for (const Index node : bar.world().supports[1].nodes)
+    EXPECT_TRUE(bar.state().positions.segment(3 * node, 3) == sheared.segment(3 * node, 3));
+  EXPECT_NEAR(reaction_of(bar, "grip").y(), 1e4, 0.1);
+}
+
+TEST(Steps, GoOnFromACheckpointInsideAReleaseToTheSameBits) {
+  for (const bool is_dynamic : {false, true}) {
+    std::string text = pulled_bar;
+    if (is_dynamic) {
+      text = changed(text, "\"static\"", "\"dynamic\"\ntime_step = 0.01\nintegrator = \"newmark\"");
+      for (const char* name : {"pull", "let go", "shear", "hold", "unload"}) {
+        const std::string head = "[[step]]\nname = \"" + std::string(name) + "\"";
+        text = changed(text, head, head + "\nduration = 0.05");
+      }
+    }
+    const Description d = read_text(text).description;
+    for (const double at : {1.0, 1.5, 3.0, 3.5, 4.5}) {
+      Simulation whole(d), resumed(d);
+      step_to(whole, is_dynamic ? 0.05 * at : at);
+      const State saved = deserialize_state(serialize(whole.state()), "here");
+      resumed.resume_from(saved, "here");
+      const VectorX a = end_of(whole), b = end_of(resumed);
+      EXPECT_TRUE(a == b) << at;
+    }
+  }
+}
+
+TEST(Steps, ReleaseASupportAtOnceInMotion) {
+  std::string text =
+      changed(pulled_bar, "\"static\"", "\"dynamic\"\ntime_step = 0.002\nintegrator = \"midpoint\"");
+  text = text.substr(0, text.find("[[load]]")) +
+         "[[step]]\nname = \"pull\"\nduration = 1\nactivate = [\"fix.grip\"]\n"
+         "[[step]]\nname = \"let go\"\nduration = 0.1\ndeactivate = [\"fix.grip\"]\n";
+  Simulation bar(read_text(text).description);
+  step_to(bar, 1);
+  const double energy = bar.frame().total_energy();
+  EXPECT_NEAR(grip_of(bar).x(), 0.3, 1e-12);
+  EXPECT_GT(reaction_of(bar, "grip").x(), 1e5);
+  step_to(bar, 1.002);
+  EXPECT_EQ(reaction_of(bar, "grip").norm(), 0);
+  EXPECT_LT(grip_of(bar).x(), 0.3 - 1e-4);
+  double least = 1;
+  while (!bar.is_finished()) {
+    ASSERT_EQ(bar.step().status, StepReport::Status::converged);
+    least = std::min(least, grip_of(bar).x());
+    EXPECT_NEAR(bar.frame().total_energy(), energy, 0.02 * energy);
+  }
+  EXPECT_LT(least, -0.1);  // it swings back through its rest shape
+}
+
+TEST(Steps, OfStaticsMayHaveGravity) {
+  std::string with = pulled_bar.substr(0, pulled_bar.find("[[fix]]\nname = \"grip\""));
+  std::string by_force = with;
+  with = changed(with, "load_steps = 2", "gravity = [0, -9.81, 0]") +
+         "[[step]]\nname = \"one\"\n[[step]]\nname = \"two\"\nactivate = [\"gravity\"]\n"
+         "[[step]]\nname = \"three\"\ndeactivate = [\"gravity\"]\n";
+  by_force += "[[load]]\nname = \"weight\"\nkind = \"body_force\"\nwhere = \"all\"\nvalue = [0, -9810, 0]\n";
+  Simulation a(read_text(with).description), b(read_text(by_force).description);
+  step_to(a, 1);
+  EXPECT_TRUE(a.state().positions == a.world().rest_positions);
+  step_to(a, 2);
+  const VectorX heavy = end_of(b);
+  const double moved = (heavy - b.world().rest_positions).norm();
+  ASSERT_GT(moved, 1e-2);
+  EXPECT_LT((a.state().positions - heavy).norm(), 1e-6 * moved);
+  step_to(a, 3);
+  EXPECT_LT((a.state().positions - a.world().rest_positions).norm(), 1e-7 * moved);
+  // Named by no step it belongs to the first.
+  const std::string unnamed =
+      changed(changed(with, "activate = [\"gravity\"]", ""), "deactivate = [\"gravity\"]", "");
+  Simulation c(read_text(unnamed).description);
+  step_to(c, 1);
+  EXPECT_LT((c.state().positions - heavy).norm(), 1e-6 * moved);
+}
+
+TEST(Steps, SwitchFriction) {
+  const std::string sliding = R"(
+[simulation]
+dimension = 2
+load_steps = 4
+
+[[body]]
+name = "block"
+mesh = { box = { size = [0.2, 0.1], cells = [6, 3] } }
+material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3, density = 1000 }
+
+[[fix]]
+name = "top"
+where = { group = "y_max" }
+displacement = [0.02, -0.01]
+
+[[collider]]
+name = "floor"
+kind = "half_space"
+point = [0, -0.001]
+normal = [0, 1]
+friction = 0.4
+
+[[step]]
+name = "press"
+activate = ["fix.top"]
+
+[[step]]
+name = "stick"
+activate = ["collider.floor.friction"]
+
+[[step]]
+name = "slip"
+deactivate = ["collider.floor.friction"]
+)";
+  Simulation block(read_text(sliding).description);
+  step_to(block, 1);
+  EXPECT_GT(reaction_of(block, "floor").y(), 1e3);
+  EXPECT_LT(std::abs(reaction_of(block, "floor").x()), 1e-9 * reaction_of(block, "floor").y());
+  std::string always = changed(sliding, "activate = [\"collider.floor.friction\"]", "");
+  always = changed(always, "deactivate = [\"collider.floor.friction\"]", "");
+  Simulation rubbing(read_text(always).description);
+  step_to(rubbing, 1);
+  EXPECT_LT(reaction_of(rubbing, "floor").x(), -0.1 * reaction_of(rubbing, "floor").y());
+  step_to(block, 3);
+  EXPECT_LT(std::abs(reaction_of(block, "floor").x()), 1e-9 * reaction_of(block, "floor").y());
+}
+
+TEST(Steps, ReleaseNoSupportThatLeavesABodyLoose) {
+  const std::string loose =
+      changed(pulled_bar, "deactivate = [\"fix.grip\"]", "deactivate = [\"fix.wall\", \"fix.grip\"]");
+  const std::string message = input_error([&] { Simulation simulation(read_text(loose).description); });
+  EXPECT_NE(message.find("step \"let go\": "), message.npos) << message;
+  EXPECT_NE(message.find("body \"bar\" is not constrained"), message.npos) << message;
+}
+
+TEST(Steps, ReleaseNoSupportBesideWhatFollowsVertices) {
+  const std::string tied = pulled_bar +
+                           "[[constraint]]\nname = \"level\"\nkind = \"equal\"\ncomponents = \"y\"\n"
+                           "where = { plane = { axis = \"x\", at = 0.667, tolerance = 0.1 } }\n";
+  const std::string message = input_error([&] { Simulation simulation(read_text(tied).description); });
+  EXPECT_NE(message.find("no step that releases it beside a constraint"), message.npos) << message;
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ TEST(Gravity, IsTheWeightHoweverTheMassIsSpread) {
       const World world(thrown_body({element, mass, "backward_euler"}));
       const int dim = world.dimension;
       for (const bool is_in_motion : {false, true}) {
-        const auto gravity = make_gravity(world.gravity, world, is_in_motion);
+        const auto gravity = make_gravity(world.gravity, {}, world, is_in_motion);
         VectorX gradient = VectorX::Zero(world.rest_positions.size());
         gravity->add_gradient(world.rest_positions, {}, gradient);
         const double weight = 9.81 * world.bodies[0].mass;

@@ -49,11 +49,12 @@ Slip unit(const Slip& u) {
   return y > 0 ? Slip(u / y) : Slip::Zero();
 }
 
-FrictionContacts contacts_of(std::span<const FrictionSource* const> sources, const VectorX& x,
-                             const VectorX& start, const Conditions& c) {
+FrictionContacts contacts_of(std::span<const FrictionSource* const> sources,
+                             const std::vector<TimeFunction>& factors, const VectorX& x, const VectorX& start,
+                             const Conditions& c) {
   FrictionContacts all;
   for (std::size_t s = 0; s < sources.size(); ++s) {
-    all.begin_source(s);
+    all.begin_source(s, factors[s].factor(c.time, 1));
     sources[s]->add_friction_contacts(x, start, c, all);
   }
   return all;
@@ -104,7 +105,7 @@ std::unique_ptr<Energy> Friction::begin_stage(const Stage& stage) const {
 FrictionContacts Friction::contacts(const VectorX& x, const Conditions& c) const {
   std::vector<const FrictionSource*> sources;
   for (const auto& source : sources_) sources.push_back(source.get());
-  return contacts_of(sources, x, x, c);
+  return contacts_of(sources, factors_, x, x, c);
 }
 
 std::optional<double> Friction::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
@@ -151,10 +152,10 @@ void LaggedFriction::see(std::span<const Energy* const> terms) {
 
 bool LaggedFriction::form_lag(const VectorX& x, const Conditions& c) {
   if (coupled_) {
-    coupled_ = contacts_of(sources_, x, start_, c);
+    coupled_ = contacts_of(sources_, friction_.factors(), x, start_, c);
     return coupled_->size() > 0;
   }
-  before_.contacts = std::exchange(contacts_, contacts_of(sources_, x, start_, c));
+  before_.contacts = std::exchange(contacts_, contacts_of(sources_, friction_.factors(), x, start_, c));
   before_.directions = std::exchange(directions_, {});
   before_.of_contact = same_contacts(before_.contacts, contacts_);
   if (!before_.directions.empty()) {
@@ -289,7 +290,7 @@ double LaggedFriction::difference(const VectorX& from, const VectorX& to, const 
 
 void LaggedFriction::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   if (coupled_) {
-    add_gradient_of(contacts_of(sources_, x, start_, c), x, c, gradient);
+    add_gradient_of(contacts_of(sources_, friction_.factors(), x, start_, c), x, c, gradient);
   } else {
     add_gradient_of(contacts_, x, c, gradient);
   }

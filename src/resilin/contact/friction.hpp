@@ -10,6 +10,7 @@
 #include "resilin/contact/mollified_slip.hpp"
 #include "resilin/core/relaxation.hpp"
 #include "resilin/energy/stage_term.hpp"
+#include "resilin/energy/time_function.hpp"
 
 namespace resilin {
 
@@ -24,9 +25,11 @@ namespace resilin {
 /// Theory: docs/theory/friction.md.
 class Friction final : public StageTerm {
  public:
-  /// @param speed  below which contacts stick [m/s]
-  Friction(int dim, std::vector<std::shared_ptr<const FrictionSource>> sources, double speed)
-      : dim_(dim), sources_(std::move(sources)), speed_(speed) {}
+  /// @param speed    below which contacts stick [m/s]
+  /// @param factors  on the coefficients of each source; constant ones are 1
+  Friction(int dim, std::vector<std::shared_ptr<const FrictionSource>> sources, double speed,
+           std::vector<TimeFunction> factors)
+      : dim_(dim), sources_(std::move(sources)), speed_(speed), factors_(std::move(factors)) {}
 
   std::string_view name() const override { return "friction"; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::friction}; }
@@ -45,11 +48,13 @@ class Friction final : public StageTerm {
   double speed() const { return speed_; }
   const std::vector<std::shared_ptr<const FrictionSource>>& sources() const { return sources_; }
   FrictionContacts contacts(const VectorX& x, const Conditions& c) const;
+  const std::vector<TimeFunction>& factors() const { return factors_; }
 
  private:
   int dim_;
   std::vector<std::shared_ptr<const FrictionSource>> sources_;
   double speed_;
+  std::vector<TimeFunction> factors_;
 };
 
 class FrictionSlopes;

@@ -30,11 +30,16 @@ class FrictionContacts {
   };
 
   /// Those that are added from now on are of this source.
-  void begin_source(std::size_t source) { source_ = source; }
+  /// @param share  of their limits that counts
+  void begin_source(std::size_t source, double share = 1) {
+    source_ = source;
+    share_ = share;
+  }
   /// @param nodes  each of them once
   void add(const FrictionContact& contact, std::span<const WeightedNode> nodes) {
-    if (contact.limit <= 0) return;
+    if (share_ * contact.limit <= 0) return;
     contacts_.push_back(contact);
+    contacts_.back().limit *= share_;
     sources_.push_back(source_);
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     ends_.push_back(nodes_.size());
@@ -64,6 +69,7 @@ class FrictionContacts {
   std::vector<std::size_t> sources_, ends_;
   std::vector<WeightedNode> nodes_;
   std::size_t source_ = 0;
+  double share_ = 1;
 };
 
 /// Derivatives of a contact by its positions (contact/friction_slopes.hpp).

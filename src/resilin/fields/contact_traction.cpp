@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -186,6 +187,102 @@ VectorX contact_pressure(const World& world, const State& state) {
       });
   for_each_skin(world, [&](const MiddleNodes& middles) { middles.fill(pressure, 1); });
   return pressure;
+}
+
+namespace {
+
+/// Forces of contact on the nodes, by what presses.
+struct PressingForces {
+  ContactPatch patch;
+  VectorX forces;
+};
+
+std::vector<PressingForces> forces_by_source(const World& world, const State& state) {
+  const Conditions conditions = conditions_of(state);
+  std::vector<PressingForces> all;
+  for (std::size_t t = 0; t < world.origins.size(); ++t) {
+    if (world.origins[t].kind != TermOrigin::Kind::collider) continue;
+    VectorX gradient = VectorX::Zero(state.positions.size());
+    world.terms[t]->add_gradient(state.positions, conditions, gradient);
+    if (gradient.isZero(0)) continue;
+    all.push_back({.patch = {.collider = std::string(world.terms[t]->name())}, .forces = -gradient});
+  }
+  if (!world.contact) return all;
+  const int dim = world.dimension;
+  const ContactSurface& surface = world.contact->surface();
+  std::map<std::array<Index, 2>, VectorX> of_bodies;
+  for (const PartForce& part : world.contact->part_forces(state.positions, conditions)) {
+    const auto split = static_cast<std::size_t>(num_first(part.kind));
+    const auto body_of = [&](std::size_t i) {
+      return surface.parts.bodies[static_cast<std::size_t>(part.vertices[i])];
+    };
+    const auto [low, high] = std::minmax(body_of(0), body_of(split));
+    if (low == high) continue;
+    VectorX& forces = of_bodies.try_emplace({low, high}, VectorX::Zero(state.positions.size())).first->second;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(part.kind)); ++i) {
+      if (body_of(i) != low) continue;
+      surface.vertices.for_each_node(part.vertices[i], [&](Index node, double share) {
+        forces.segment(Eigen::Index{node} * dim, dim) +=
+            share * part.weights[i] * part.force * part.normal.head(dim);
+      });
+    }
+  }
+  for (auto& [bodies, forces] : of_bodies)
+    all.push_back(
+        {.patch = {.collider = {}, .body = bodies[0], .other = bodies[1]}, .forces = std::move(forces)});
+  return all;
+}
+
+/// A node of a patch.
+struct PressedNode {
+  Index node;
+  double area, force;
+};
+
+void measure_patch(const World& world, const State& state, const std::vector<PressedNode>& nodes,
+                   ContactPatch& patch) {
+  constexpr double least_share = 0.01;
+  for (const PressedNode& at : nodes)
+    patch.largest_pressure = std::max(patch.largest_pressure, at.force / at.area);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vector3 low = Vector3::Constant(infinity), high = -low;
+  for (const PressedNode& at : nodes) {
+    const Vector3 x = world.place_of(at.node, state.positions);
+    patch.force += at.force;
+    patch.center += at.force * x;
+    if (!(at.force / at.area > least_share * patch.largest_pressure)) continue;
+    patch.area += at.area;
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  patch.center /= patch.force;
+  patch.extent = high - low;
+}
+
+}  // namespace
+
+std::vector<ContactPatch> contact_patches(const World& world, const State& state) {
+  const int dim = world.dimension;
+  std::vector<PressingForces> sources = forces_by_source(world, state);
+  std::vector<ContactPatch> patches;
+  if (sources.empty()) return patches;
+  VectorX touched = VectorX::Zero(state.positions.size());
+  for (PressingForces& source : sources) {
+    for_each_skin(world, [&](const MiddleNodes& middles) { middles.gather(source.forces, dim); });
+    touched += source.forces.cwiseAbs();
+  }
+  const TouchedFaces faces(world, state.positions, touched);
+  for (PressingForces& source : sources) {
+    std::vector<PressedNode> nodes;
+    faces.for_each_pressed(dim, source.forces, [&](Index node, const Vector3& normal, double area) {
+      const double force = -node_position(dim, node, source.forces).dot(normal);
+      if (force > 0) nodes.push_back({.node = node, .area = area, .force = force});
+    });
+    if (nodes.empty()) continue;
+    measure_patch(world, state, nodes, source.patch);
+    patches.push_back(std::move(source.patch));
+  }
+  return patches;
 }
 
 }  // namespace resilin

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "resilin/world/state.hpp"
 #include "resilin/world/world.hpp"
 
@@ -12,5 +15,22 @@ VectorX contact_traction(const World& world, const State& state);
 /// Its part against the outward normal of these faces, one number per node [Pa]; positive where the surface
 /// is pressed upon.
 VectorX contact_pressure(const World& world, const State& state);
+
+/// What a collider presses on, or a body on the one that is named before it.
+struct ContactPatch {
+  std::string collider;  ///< its name; empty: of two bodies
+  Index body = -1;       ///< number of the body that is pressed on ...
+  Index other = -1;      ///< ... by this one; of a collider neither is told
+  double area = 0;       ///< at rest, of nodes with more than a hundredth of the largest pressure [m^2]
+  double force = 0;      ///< sum of the normal forces [N]
+  double largest_pressure = 0;       ///< [Pa]
+  Vector3 center = Vector3::Zero();  ///< centre of pressure, in the scene's coordinates [m]
+  Vector3 extent = Vector3::Zero();  ///< reach of these nodes along the axes, deformed [m]
+  double mean_pressure() const { return area > 0 ? force / area : 0; }
+};
+
+/// One for each collider that touches something, then one for each two bodies that touch, in the order of the
+/// scene.
+std::vector<ContactPatch> contact_patches(const World& world, const State& state);
 
 }  // namespace resilin

@@ -18,6 +18,7 @@
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
+#include "resilin/world/support_phase.hpp"
 
 namespace resilin {
 namespace {
@@ -35,6 +36,7 @@ Vector3 up_of(const Description& scene) {
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
   refuse_constraints(description, "a live run");
+  refuse_releases(description, "a live run");
   description.is_dynamic = true;
   description.time_step =
       std::min(longest_step, 0.05 * description.end_time);  // fast rotations need short steps
@@ -158,7 +160,7 @@ void LiveScene::Contents::renew_terms() {
   const auto all = [this](bool is_in_motion) {
     Terms sum = world.terms;
     if (controls.gravity.head(world.dimension).norm() > 0)
-      sum.push_back(make_gravity(controls.gravity, world, is_in_motion));
+      sum.push_back(make_gravity(controls.gravity, {}, world, is_in_motion));
     for (const auto& barrier : fold_barriers)
       if (barrier) sum.push_back(barrier);
     for (const FaceLoad& load : face_loads) sum.push_back(load.term);
@@ -167,7 +169,7 @@ void LiveScene::Contents::renew_terms() {
     if (floor && controls.ground_friction > 0) {
       const std::vector<std::shared_ptr<const FrictionSource>> source = {floor->barrier()};
       const double speed = description.contact.friction_speed.value_or(default_friction_speed(world));
-      sum.push_back(std::make_shared<Friction>(world.dimension, source, speed));
+      sum.push_back(std::make_shared<Friction>(world.dimension, source, speed, std::vector<TimeFunction>(1)));
     }
     return sum;
   };

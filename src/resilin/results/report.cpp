@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include "resilin/core/parallel.hpp"
+#include "resilin/fields/contact_traction.hpp"
 #include "resilin/fields/extremes.hpp"
 #include "resilin/results/build_info.hpp"
 #include "resilin/results/mesh_volume_ratio.hpp"
@@ -60,6 +61,7 @@ std::string_view name(RunStatus status) {
 Json frame_json(const Frame& frame, int dimension) {
   Json json;
   json["step"] = frame.step;
+  if (!frame.step_name.empty()) json["step_name"] = frame.step_name;
   json["time"] = frame.time;
   json["load"] = frame.load;
   if (frame.mode) json["mode"] = mode_json(*frame.mode, dimension);
@@ -135,14 +137,38 @@ const std::string& body_name(const World& world, Index body) {
   return world.bodies[static_cast<std::size_t>(body)].name;
 }
 
-Json contacts_json(const Frame& frame, const World& world) {
+void add_patch(const ContactPatch& patch, int dimension, Json& json) {
+  json["area"] = patch.area;
+  json["pressure"] = patch.largest_pressure;
+  json["mean_pressure"] = patch.mean_pressure();
+  json["normal_force"] = patch.force;
+  json["center"] = vector_json(patch.center, dimension);
+  json["extent"] = vector_json(patch.extent, dimension);
+}
+
+Json contacts_json(const Frame& frame, const World& world, std::span<const ContactPatch> patches) {
   Json list = Json::array();
-  for (const SurfaceContact::BodyContact& contact : frame.contacts)
+  for (const SurfaceContact::BodyContact& contact : frame.contacts) {
     list.push_back({{"bodies", {body_name(world, contact.body), body_name(world, contact.other)}},
                     {"force", vector_json(contact.force, world.dimension)},
                     {"gap", contact.gap},
                     {"pairs", contact.num_pairs}});
+    for (const ContactPatch& patch : patches)
+      if (patch.body == contact.body && patch.other == contact.other)
+        add_patch(patch, world.dimension, list.back());
+  }
   return list;
+}
+
+Json collider_contacts_json(const Frame& frame, const World& world, std::span<const ContactPatch> patches) {
+  Json json = Json::object();
+  for (const ContactPatch& patch : patches) {
+    if (patch.collider.empty()) continue;
+    for (const auto& [name, force] : frame.reactions)
+      if (name == patch.collider) json[name]["force"] = vector_json(force, world.dimension);
+    add_patch(patch, world.dimension, json[patch.collider]);
+  }
+  return json;
 }
 
 }  // namespace
@@ -150,7 +176,11 @@ Json contacts_json(const Frame& frame, const World& world) {
 Json frame_json(const Frame& frame, const World& world, const State& state,
                 std::span<const FieldValues> fields) {
   Json json = frame_json(frame, world.dimension);
-  json["contacts"] = contacts_json(frame, world);
+  const std::vector<ContactPatch> patches =
+      world.share.is_whole() ? contact_patches(world, state) : std::vector<ContactPatch>();
+  json["contacts"] = contacts_json(frame, world, patches);
+  if (Json of_colliders = collider_contacts_json(frame, world, patches); !of_colliders.empty())
+    json["collider_contacts"] = std::move(of_colliders);
   json["extremes"] = extremes_json(world, state, fields);
   return json;
 }
@@ -224,6 +254,21 @@ Json fixes_json(const World& world) { return resultants_json(fixed_selections(wo
 
 Json loads_json(const World& world) { return resultants_json(load_resultants(world), world.dimension); }
 
+namespace {
+
+void add_stiffness(const SupportStiffness& stiffness, int dimension, Json& fix) {
+  const auto n = static_cast<std::size_t>(dimension);
+  Json rows = Json::array();
+  for (std::size_t row = 0; row < n; ++row) {
+    rows.push_back(Json::array());
+    for (std::size_t k = 0; k < n; ++k) rows.back().push_back(stiffness.by_displacement[row * n + k]);
+  }
+  fix["stiffness"] = std::move(rows);
+  if (stiffness.by_rotation) fix["rotational_stiffness"] = *stiffness.by_rotation;
+}
+
+}  // namespace
+
 Json report_json(const World& world, Json frames, const RunSummary& summary) {
   Json report;
   report["status"] = name(summary.outcome.status);
@@ -244,6 +289,9 @@ Json report_json(const World& world, Json frames, const RunSummary& summary) {
   const bool has_ended = summary.outcome.status != RunStatus::running;
   const bool tells_conditions = has_ended && world.share.is_whole();
   report["fixes"] = tells_conditions ? fixes_json(world) : Json::array();
+  for (Json& fix : report["fixes"])
+    for (const SupportStiffness& stiffness : summary.outcome.stiffness)
+      if (fix["name"] == stiffness.name) add_stiffness(stiffness, world.dimension, fix);
   report["loads"] = tells_conditions ? loads_json(world) : Json::array();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const DiscretisationErrors& errors = summary.outcome.discretisation_errors;

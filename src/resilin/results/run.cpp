@@ -129,6 +129,7 @@ DiscretisationErrors estimated_errors(const Simulation& simulation, const std::o
 struct TimedEstimate {
   std::optional<SpaceError> space{};
   double seconds = 0;
+  std::vector<SupportStiffness> stiffness{};
 
   /// Calls `estimate` and adds its time.
   void measure(const auto& estimate) {
@@ -165,6 +166,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, TimedEstim
     }
     if (simulation.is_finished()) {
       timed.measure([&] { timed.space = space_error(simulation); });
+      timed.stiffness = support_stiffness(simulation);
       simulation.release_solver();  // fields of the frame take as much memory
     }
     if (hooks.after_step) hooks.after_step(report);
@@ -174,6 +176,7 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, TimedEstim
   if (had_ended) {
     outcome.reason += "; the run had ended before";
     timed.measure([&] { timed.space = space_error(simulation); });
+    timed.stiffness = support_stiffness(simulation);
   }
   return outcome;
 }
@@ -211,6 +214,7 @@ RunOutcome run_to_end(Simulation& simulation, const RunHooks& hooks) {
   const World& world = simulation.world();
   TimedEstimate timed;
   RunOutcome outcome = step_to_end(simulation, hooks, timed);
+  outcome.stiffness = std::move(timed.stiffness);
   outcome.warnings = oddities(world, simulation.state());
   if (std::string text = jumps_on_the_way(simulation.state()); !text.empty())
     outcome.warnings.push_back(world.place + ": " + std::move(text));

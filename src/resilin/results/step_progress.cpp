@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/initial_acceleration.hpp"
+#include "resilin/world/support_phase.hpp"
 
 namespace resilin {
 namespace {
@@ -22,7 +24,9 @@ std::string describe_progress(const Simulation& simulation, const NewtonReport& 
   const State& state = simulation.state();
   const std::string step = "step " + std::to_string(state.step + 1) + ", ";
   if (simulation.shows_modes()) return step + "solving for vibration modes";
-  return step + way(world, state) + ", Newton iteration " + std::to_string(iterations) + ", residual " +
+  const std::string name = step_name_at(world, time_after(state.time, world.time_step));
+  return step + (name.empty() ? "" : '"' + one_line(name) + "\", ") + way(world, state) +
+         ", Newton iteration " + std::to_string(iterations) + ", residual " +
          format_short(so_far.relative_residual()) + " (tolerance " + format_short(world.newton.tolerance) +
          ")";
 }

@@ -82,6 +82,9 @@ Keys<FixDescription> fix_keys() {
       key<F>({"time_function", "[time_function](#time_function)", "", "none",
               "Factor on displacement, gradient and rotate in place of the load factor."},
              [](const SceneNode& node, F& f) { read_time_function(node, f.time_function); }),
+      key<F>({"stiffness", "true or false", "", "false",
+              "The report has its tangent stiffness at the end of a static run."},
+             [](const SceneNode& node, F& f) { f.reports_stiffness = read_flag(node); }),
   };
 }
 

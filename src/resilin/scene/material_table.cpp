@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "resilin/material/law.hpp"
+#include "resilin/scene/material_library.hpp"
 #include "resilin/scene/tables.hpp"
 
 namespace resilin {
@@ -73,9 +74,31 @@ void read_viscoelastic(const SceneNode& node, MaterialDescription& material) {
     node.child("branches").fail_with("give either branches or the lists g and tau");
 }
 
+/// A material of the library brings its law and constants.
+void refuse_beside_library(const SceneNode& table) {
+  const LibraryMaterial& material =
+      find_library_material(read_text(table.child("library")), table.place() + ".library");
+  std::vector<std::string> refused = {"law", "youngs_modulus", "poissons_ratio"};
+  for (const ConstantText& constant : require_law(material.law, table.place()).constants)
+    refused.emplace_back(constant.name);
+  for (const std::string& key : refused)
+    if (table.has(key))
+      table.child(key).fail_with(
+          "\"" + material.name +
+          "\" of the library brings its law and constants; leave this out, or give all "
+          "of them without library");
+}
+
 Keys<MaterialDescription> material_keys() {
   using M = MaterialDescription;
   return {
+      key<M>({"library", "text", "", "none",
+              "Name of a material of the library, which brings its law, constants, density and Prony series; "
+              "`resilin materials --library` lists them ([materials](materials.md#library))."},
+             [](const SceneNode& node, M& m) {
+               take_from_library(find_library_material(read_text(node), node.place()), m);
+               if (m.viscoelastic) m.viscoelastic->place = node.place();
+             }),
       choice_key("law", &M::law, law_names(), {},
                  "Constitutive model (strain energy density); `resilin materials` and [laws](laws.md) "
                  "describe each."),
@@ -177,6 +200,10 @@ void read_fibres(const SceneNode& node, const Mesh& mesh, MaterialDescription& m
 void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
   expect_table(node);
   material.place = node.place();
+  if (node.has("library")) {
+    refuse_beside_library(node);
+    material.law = find_library_material(read_text(node.child("library")), node.place()).law;
+  }
   if (node.has("law")) material.law = read_choice(node.child("law"), law_names());
   const LawInfo& law = require_law(material.law, node.place() + ".law");
   const std::vector<std::string> constants = constant_names(law);

@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "resilin/core/text.hpp"
 #include "resilin/scene/tables.hpp"
 #include "resilin/world/load_catalog.hpp"
 
@@ -28,13 +29,14 @@ Keys<StepTable> step_keys() {
       key<S>({"duration", "number > 0", "s", "static: 1; dynamic: required",
               "Its duration. Those of all steps add up to the end of the run."},
              [](const SceneNode& node, S& s) { s.duration = read_number(node, positive); }),
-      key<S>(
-          {"activate", "list of texts", "", "none",
-           "Loads, boundary conditions and colliders (`load.NAME`, `fix.NAME`, `collider.NAME`) that act, or "
-           "move by their displacement, from this step on."},
-          [](const SceneNode& node, S& s) { read_names(node, s.activate); }),
+      key<S>({"activate", "list of texts", "", "none",
+              "What acts, or moves by its displacement, from this step on: `load.NAME`, `fix.NAME`, "
+              "`collider.NAME`, `collider.NAME.friction`, `contact.friction`, `gravity`."},
+             [](const SceneNode& node, S& s) { read_names(node, s.activate); }),
       key<S>({"deactivate", "list of texts", "", "none",
-              "Loads that cease, and colliders that go back to where they started, in this step."},
+              "Loads, gravity and friction that cease, colliders that go back to where they started, and "
+              "supports that "
+              "let go, in this step."},
              [](const SceneNode& node, S& s) { read_names(node, s.deactivate); }),
   };
 }
@@ -42,9 +44,9 @@ Keys<StepTable> step_keys() {
 /// A part of the scene that a step can switch.
 struct Switched {
   TimeFunction* function;
-  bool is_load;           ///< else something that moves
-  std::string refusal;    ///< why no step may switch it; empty: one may
-  std::string no_return;  ///< why no step may deactivate it; empty: one may
+  bool is_load = false;  ///< else something that moves
+  std::string refusal;   ///< why no step may activate it; empty: one may
+  FixDescription* fix = nullptr;
   bool is_on = false;
   bool is_named = false;
   TimeFunction::Table table{};
@@ -68,15 +70,20 @@ std::string why_not(const LoadDescription& load) {
   return "";
 }
 
-template <class T>
-std::string why_not_moved(const T& entry, bool is_displaced) {
-  if (!entry.time_function.is_constant())
-    return "its own `time_function` says when it moves; leave that out, or the name here";
-  return is_displaced ? "" : "it has no displacement for a step to lead it by; give it one";
-}
-
 bool is_displaced(const FixDescription& fix) {
   return !fix.displacement.isZero(0) || !fix.gradient.isZero(0) || fix.rotate.has_value();
+}
+
+std::string why_not(const FixDescription& fix) {
+  if (fix.time_function.is_constant() && fix.velocity.isZero(0)) return "";
+  return "its own `time_function` or `velocity` says when it moves; leave that out, or the name here";
+}
+
+std::string why_not(const ColliderDescription& collider) {
+  if (!collider.time_function.is_constant())
+    return "its own `time_function` says when it moves; leave that out, or the name here";
+  return collider.displacement.isZero(0) ? "it has no displacement for a step to lead it by; give it one"
+                                         : "";
 }
 
 using SwitchedByName = std::map<std::string, Switched>;
@@ -84,42 +91,52 @@ using SwitchedByName = std::map<std::string, Switched>;
 SwitchedByName all_switched(Description& d) {
   SwitchedByName all;
   for (LoadDescription& load : d.loads)
-    all["load." + load.name] = {
-        .function = &load.time_function, .is_load = true, .refusal = why_not(load), .no_return = ""};
-  for (FixDescription& fix : d.fixes)
-    all["fix." + fix.name] = {.function = &fix.time_function,
-                              .is_load = false,
-                              .refusal = why_not_moved(fix, is_displaced(fix)),
-                              .no_return =
-                                  "steps release no support: press with a [[collider]], which "
-                                  "goes back when it is deactivated"};
+    all["load." + load.name] = {.function = &load.time_function, .is_load = true, .refusal = why_not(load)};
+  for (FixDescription& fix : d.fixes) {
+    all["fix." + fix.name] = {.function = &fix.time_function, .refusal = why_not(fix), .fix = &fix};
+    all["fix." + fix.name].is_on = true;  // it holds
+  }
   for (ColliderDescription& collider : d.colliders)
-    all["collider." + collider.name] = {.function = &collider.time_function,
-                                        .is_load = false,
-                                        .refusal = why_not_moved(collider, !collider.displacement.isZero(0)),
-                                        .no_return = ""};
+    all["collider." + collider.name] = {.function = &collider.time_function, .refusal = why_not(collider)};
+  for (ColliderDescription& collider : d.colliders)
+    if (collider.friction > 0)
+      all["collider." + collider.name + ".friction"] = {
+          .function = &collider.friction_factor, .is_load = true, .refusal = ""};
+  if (d.contact.friction > 0 || std::ranges::any_of(d.contact.pairs, [](const ContactPairDescription& pair) {
+        return pair.friction.value_or(0) > 0;
+      }))
+    all["contact.friction"] = {.function = &d.contact.friction_factor, .is_load = true, .refusal = ""};
+  if (!d.gravity.isZero(0))
+    all["gravity"] = {.function = &d.gravity_function, .is_load = true, .refusal = ""};
   return all;
 }
 
 Switched& find_switched(const SceneNode& node, const std::string& name, SwitchedByName& all) {
   const auto found = all.find(name);
+  if (name.starts_with("contact.") && name != "contact.friction")
+    node.fail_with("\"" + one_line(name) +
+                   "\": contact pairs are the same in all steps; start bodies with a gap, or "
+                   "switch \"contact.friction\"");
   if (found == all.end()) {
     std::vector<std::string> names;
     for (const auto& [known, entry] : all) names.push_back(known);
     const std::string nearest = did_you_mean(name, names);
-    node.fail("the name of a load, support or collider of this scene (load.NAME, fix.NAME, collider.NAME)",
-              nearest.empty() ? "there are " + (names.empty() ? "none" : join(names)) : nearest);
+    node.fail(
+        "what a step can switch in this scene (load.NAME, fix.NAME, collider.NAME, "
+        "collider.NAME.friction, contact.friction, gravity)",
+        nearest.empty() ? "there are " + (names.empty() ? "none" : join(names)) : nearest);
   }
-  if (!found->second.refusal.empty()) node.fail_with("\"" + name + "\": " + found->second.refusal);
   return found->second;
 }
 
 /// In statics, entries that no step names belong to the first one.
+void ramp_in(TimeFunction& function, double end) {
+  if (function.is_constant()) function.form = TimeFunction::Ramp{.from = 0, .until = end};
+}
+
 template <class T>
 void ramp_in(std::vector<T>& entries, double end) {
-  for (T& entry : entries)
-    if (entry.time_function.is_constant())
-      entry.time_function.form = TimeFunction::Ramp{.from = 0, .until = end};
+  for (T& entry : entries) ramp_in(entry.time_function, end);
 }
 
 void refuse_beside_steps(const SceneNode& root, const Description& d) {
@@ -131,29 +148,59 @@ void refuse_beside_steps(const SceneNode& root, const Description& d) {
   const SceneNode simulation = root.child("simulation");
   if (simulation.has("end_time"))
     simulation.child("end_time").fail_with("the durations of the steps add up to the end; leave it out");
-  if (!d.is_dynamic && !d.gravity.isZero(0))
-    simulation.child("gravity").fail_with(
-        "would grow over all static steps; give a [[load]] of kind \"body_force\" (density times "
-        "gravity), which a step can activate");
+}
+
+/// When a step happens.
+struct StepTimes {
+  double begin, end, first_end;
+  bool is_dynamic;
+};
+
+/// A support takes hold where its vertices are and moves by its displacement, or lets go.
+void switch_support(const SceneNode& node, const std::string& name, bool is_on, const StepTimes& times,
+                    Switched& entry) {
+  FixDescription& fix = *entry.fix;
+  const bool has_let_go = !entry.is_on;
+  if (is_on && !has_let_go && !is_displaced(fix))
+    node.fail_with("\"" + name + "\": it has no displacement for a step to lead it by; give it one");
+  if (is_on && !has_let_go && entry.is_named)
+    node.fail_with("\"" + name + "\" is active already; leave it out here");
+  if (!is_on && has_let_go) node.fail_with("\"" + name + "\" is not active here; leave it out");
+  const bool is_led = is_displaced(fix) && entry.refusal.empty();
+  if (!is_on && !entry.is_named && is_led && times.begin > 0) {
+    // No step has led it: in statics the first one does, in motion it is there from the start.
+    if (!times.is_dynamic) entry.add(0, 0);
+    entry.add(times.is_dynamic ? 0 : times.first_end, 1);
+  }
+  if (is_on && is_led) entry.lead_to(1, times.begin, times.end, false);
+  if (is_on == has_let_go) fix.switches.push_back(times.begin);
+  entry.is_on = is_on;
+}
+
+void switch_other(const SceneNode& node, const std::string& name, bool is_on, const StepTimes& times,
+                  Switched& entry) {
+  if (is_on && entry.is_on) node.fail_with("\"" + name + "\" is active already; leave it out here");
+  if (!is_on && !entry.is_on && entry.is_named)
+    node.fail_with("\"" + name + "\" is not active here; leave it out");
+  if (!is_on && !entry.is_named)
+    node.fail_with("no step before activates \"" + name + "\"; name it in `activate` of the first one");
+  entry.is_on = is_on;
+  entry.lead_to(is_on ? 1 : 0, times.begin, times.end, times.is_dynamic && entry.is_load);
 }
 
 /// Applies `activate` or `deactivate` of one step.
-void switch_all(const SceneNode& step, const char* key, const std::vector<std::string>& names, double begin,
-                double end, bool is_dynamic, SwitchedByName& all, std::set<std::string>& in_this_step) {
+void switch_all(const SceneNode& step, const char* key, const std::vector<std::string>& names,
+                const StepTimes& times, SwitchedByName& all, std::set<std::string>& in_this_step) {
   const bool is_on = std::string_view(key) == "activate";
   for (std::size_t i = 0; i < names.size(); ++i) {
     const SceneNode node = step.child(key).element(i);
     Switched& entry = find_switched(node, names[i], all);
+    if (!entry.refusal.empty() && (is_on || entry.fix == nullptr))
+      node.fail_with("\"" + names[i] + "\": " + entry.refusal);
     if (!in_this_step.insert(names[i]).second) node.fail_with("\"" + names[i] + "\" is twice in one step");
-    if (!is_on && !entry.no_return.empty()) node.fail_with("\"" + names[i] + "\": " + entry.no_return);
-    if (is_on && entry.is_on) node.fail_with("\"" + names[i] + "\" is active already; leave it out here");
-    if (!is_on && !entry.is_on && entry.is_named)
-      node.fail_with("\"" + names[i] + "\" is not active here; leave it out");
-    if (!is_on && !entry.is_named)
-      node.fail_with("no step before activates \"" + names[i] + "\"; name it in `activate` of the first one");
-    entry.is_on = is_on;
+    entry.fix != nullptr ? switch_support(node, names[i], is_on, times, entry)
+                         : switch_other(node, names[i], is_on, times, entry);
     entry.is_named = true;
-    entry.lead_to(is_on ? 1 : 0, begin, end, is_dynamic && entry.is_load);
   }
 }
 
@@ -188,15 +235,18 @@ void read_steps(const SceneNode& root, Description& d) {
     const double end = begin + (step.duration == 0 ? 1 : step.duration);
     if (i == 0) first_end = end;
     std::set<std::string> in_this_step;
-    switch_all(node, "activate", step.activate, begin, end, d.is_dynamic, all, in_this_step);
-    switch_all(node, "deactivate", step.deactivate, begin, end, d.is_dynamic, all, in_this_step);
+    const StepTimes times{.begin = begin, .end = end, .first_end = first_end, .is_dynamic = d.is_dynamic};
+    switch_all(node, "activate", step.activate, times, all, in_this_step);
+    switch_all(node, "deactivate", step.deactivate, times, all, in_this_step);
+    d.steps.push_back({.place = node.path, .name = step.name, .end = end});
     begin = end;
   }
   for (auto& [name, entry] : all)
-    if (entry.is_named) entry.function->form = std::move(entry.table);
+    if (!entry.table.times.empty()) entry.function->form = std::move(entry.table);
   d.end_time = begin;
   if (d.is_dynamic) return;
   d.load_steps *= static_cast<int>(num_steps);
+  if (!d.gravity.isZero(0)) ramp_in(d.gravity_function, first_end);
   ramp_in(d.loads, first_end);
   ramp_in(d.fixes, first_end);
   ramp_in(d.constraints, first_end);

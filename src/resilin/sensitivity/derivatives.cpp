@@ -1,10 +1,12 @@
 #include "resilin/sensitivity/derivatives.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "resilin/core/error.hpp"
 #include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/constraints.hpp"
+#include "resilin/world/support_phase.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -23,6 +25,11 @@ void check_is_differentiable(const Description& description) {
     refuse("equilibria at given loads", "simulation.load_control = \"arc_length\"",
            "take load_control = \"load\"");
   refuse_constraints(description, "derivatives");
+  refuse_releases(description, "derivatives");
+  const auto rubs_at_times = [](const auto& entry) { return !entry.friction_factor.is_constant(); };
+  if (rubs_at_times(description.contact) || std::ranges::any_of(description.colliders, rubs_at_times))
+    refuse("friction that is the same in all steps", "friction that a step switches",
+           "leave it out of [[step]]");
   if (is_axisymmetric(description))
     refuse("a scene in 2D or 3D", "an axisymmetric one", "take a slice in 3D");
   if (const std::string material = place_of_viscoelasticity(description); !material.empty())

@@ -16,6 +16,7 @@
 #include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/constraints.hpp"
 #include "resilin/world/meeting_surface.hpp"
+#include "resilin/world/support_phase.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -81,6 +82,7 @@ class Search {
       throw InputError(description_.place + ": simulation.modes", "none for a stress-free shape",
                        "modal analysis");
     refuse_constraints(description_, "a stress-free shape");
+    refuse_releases(description_, "a stress-free shape");
     if (is_axisymmetric(description_))
       throw InputError(description_.place + ": simulation.dimension", "2 or 3 for a stress-free shape",
                        "\"axisymmetric\"", "take a slice in 3D");

@@ -23,7 +23,7 @@ void add_facets(const CellBlock& block, const auto& force_of, DistributedLoads& 
 
 DistributedLoads distributed_loads(const World& world, const VectorX& x, const Conditions& c) {
   DistributedLoads loads;
-  loads.acceleration = c.load * world.gravity;
+  loads.acceleration = world.gravity_function.factor(c.time, c.load) * world.gravity;
   loads.bodies.assign(world.bodies.size(), Vector3::Zero());
   for (const auto& term : world.terms) {
     if (const auto* pressure = dynamic_cast<const Pressure*>(term.get())) {

@@ -13,6 +13,7 @@
 #include "resilin/world/friction.hpp"
 #include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/rigid_shape.hpp"
+#include "resilin/world/support_phase.hpp"
 
 namespace resilin {
 namespace {
@@ -114,6 +115,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   const Conditions conditions = conditions_of(state);
   Frame frame;
   frame.step = state.step;
+  frame.step_name = step_name_at(world, state.time);
   frame.time = state.time;
   frame.load = state.load;
   frame.dissipated_energy = state.dissipated_energy;
@@ -179,16 +181,23 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   }
   for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());
   frame.reaction_torques.assign(world.supports.size(), Vector3::Zero());
-  for (std::size_t i = 0; i < world.support_of.size(); ++i) {
-    if (world.support_of[i] < 0) continue;
-    const auto support = static_cast<std::size_t>(world.support_of[i]);
-    const auto node = static_cast<Index>(i / static_cast<std::size_t>(dim));
-    if (!world.share.owns(node)) continue;
-    Vector3 force = Vector3::Zero();
-    force[static_cast<int>(i % static_cast<std::size_t>(dim))] =
-        (*step_gradient)[static_cast<Eigen::Index>(i)];
-    frame.reactions[support].second += force;
-    frame.reaction_torques[support] += node_position(dim, node, state.positions).cross(force);
+  const auto add_reactions = [&](const std::vector<std::int32_t>& support_of, const VectorX& forces) {
+    for (std::size_t i = 0; i < support_of.size(); ++i) {
+      if (support_of[i] < 0) continue;
+      const auto support = static_cast<std::size_t>(support_of[i]);
+      const auto node = static_cast<Index>(i / static_cast<std::size_t>(dim));
+      if (!world.share.owns(node)) continue;
+      Vector3 force = Vector3::Zero();
+      force[static_cast<int>(i % static_cast<std::size_t>(dim))] = forces[static_cast<Eigen::Index>(i)];
+      frame.reactions[support].second += force;
+      frame.reaction_torques[support] += node_position(dim, node, state.positions).cross(force);
+    }
+  };
+  add_reactions(world.support_of, *step_gradient);
+  if (const auto release = world.find_term({TermOrigin::Kind::release})) {
+    VectorX pull = VectorX::Zero(state.positions.size());
+    world.terms[*release]->add_gradient(state.positions, conditions, pull);
+    add_reactions(world.released_from, -pull);
   }
   for (std::size_t k = 0; k < frame.reactions.size() && !world.share.is_whole(); ++k) {
     frame.reactions[k].second = world.share.sum(frame.reactions[k].second);

@@ -54,6 +54,7 @@ struct Frame {
   };
 
   int step = 0;
+  std::string step_name;  ///< name of the step in sequence; empty: there are none
   double time = 0;
   std::optional<ModeValues> mode;  ///< mode of a free vibration
   double load = 0;
@@ -78,8 +79,9 @@ struct Frame {
   Vector3 linear_momentum = Vector3::Zero();   ///< [kg m/s]
   Vector3 angular_momentum = Vector3::Zero();  ///< about the origin [kg m^2/s]
   std::vector<ProbeValue> probes;
-  std::vector<std::pair<std::string, Vector3>>
-      reactions;  ///< forces that supports, then colliders, exert on the bodies [N]
+  /// Forces that supports, then colliders, exert on the bodies; of a support in statics also while it lets go
+  /// [N].
+  std::vector<std::pair<std::string, Vector3>> reactions;
 
   std::vector<Vector3>
       reaction_torques;  ///< reaction torques of the same about the origin, on the moved nodes [N m]

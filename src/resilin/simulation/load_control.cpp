@@ -88,7 +88,7 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
     Potential potential = Potential::in_stage(
         world, state, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
     VectorX targets = from.positions;
-    place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+    place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
     set_constants(world, conditions, targets);
     Equilibrium found{.load = at, .positions = from.positions};
     const StageReport report =
@@ -160,7 +160,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     Potential potential =
         Potential::in_stage(world, state, conditions, static_stage(state.positions, load_time));
     VectorX targets = state.positions;
-    place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
+    place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
     set_constants(world, conditions, targets);
     VectorX x = predicted_positions(world, potential, targets, state, load);
     NewtonSettings settings = newton_settings(world);

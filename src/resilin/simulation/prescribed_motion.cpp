@@ -20,7 +20,7 @@ void prescribe_motion_at(const World& world, double time, Motion& motion) {
     motion.velocities[i] = 0;
     motion.accelerations[i] = 0;
   }
-  place_supports(world.dimension, world.supports, world.rest_positions, time, motion);
+  place_supports(world.dimension, world.supports, world.held_from(), time, motion);
   const Dependents* dependents = world.dependents();
   if (dependents == nullptr) return;
   const Motion constants = constants_at(world, time);

@@ -6,7 +6,10 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/world/friction.hpp"
+#include "resilin/world/support_phase.hpp"
 
 namespace resilin {
 namespace {
@@ -57,6 +60,8 @@ Simulation::Simulation(World world, std::shared_ptr<AnalysisCache> analyses)
   state_.load = world_.is_dynamic ? 1 : 0;
   state_.previous_positions = state_.positions;
   state_.history = start_of_history(world_.terms, state_.positions);
+  state_.phase = phase_at(world_, 0);
+  enter_phase(world_, state_.phase, {}, {});
   if (world_.is_dynamic) {
     time_stepper_.emplace(world_);
     time_stepper_->prepare(world_, state_);
@@ -124,8 +129,30 @@ int Simulation::expected_steps() const {
   return LoadControl::expected_steps(world_, state_);
 }
 
+void Simulation::switch_supports_now() {
+  const int phase = phase_at(world_, state_.time);
+  if (phase <= state_.phase) return;
+  VectorX gradient;
+  if (!world_.is_dynamic) {
+    Potential::at(world_, state_).gradient(state_.positions, gradient);
+    if (const auto friction = friction_of(world_, state_))
+      friction->add_gradient(state_.positions, conditions_of(state_), gradient);
+  }
+  const auto kinetic_energy = [this] {
+    VectorX momentum;
+    world_.mass->multiply(state_.velocities, momentum);
+    return world_.share.sum(0.5 * momentum.dot(state_.velocities));
+  };
+  const double before = kinetic_energy();
+  switch_supports(world_, state_, phase, gradient);
+  state_.dissipated_energy += before - kinetic_energy();  // what takes hold stops its vertices
+  if (world_.is_dynamic && state_.accelerations.size() > 0)
+    state_.accelerations = accelerations_from(world_, state_, world_.time_step);
+}
+
 StepReport Simulation::step(const NewtonObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
+  switch_supports_now();
   const int step_before = state_.step;
   VectorX gradient;
   StepReport report;
@@ -176,7 +203,11 @@ void Simulation::resume_from(const State& state, const std::string& place, const
   if (state.mode > most_modes)
     throw InputError(place, "a mode from 0 to " + std::to_string(most_modes), std::to_string(state.mode),
                      "run again without --resume");
+  if (state.phase > static_cast<int>(world_.switch_times.size()))
+    throw InputError(place, "a phase from 0 to " + std::to_string(world_.switch_times.size()),
+                     std::to_string(state.phase), "run again without --resume");
   state_ = state;
+  enter_phase(world_, state_.phase, state_.released_forces, state_.support_places);
   if (time_stepper_) time_stepper_->prepare(world_, state_);
   if (state_.mode > 0) {
     StepReport report;

@@ -78,6 +78,8 @@ class Simulation {
  private:
   StepReport step_to_next_mode(const NewtonObserver& observer);
   void measure(const VectorX* step_gradient);
+  /// Releases and activates supports that a step of the scene begins with.
+  void switch_supports_now();
   void note_failure(const std::string& reason);
 
   World world_;

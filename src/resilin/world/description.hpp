@@ -200,6 +200,9 @@ struct FixDescription {
   Vector3 velocity = Vector3::Zero();                  ///< prescribed velocity [m/s] ...
   std::optional<double> until;                         ///< ... until this time; then it stays [s]
   TimeFunction time_function;  ///< on displacement, gradient and rotate, in place of the load factor
+  /// Times at which it lets go of its vertices, takes hold of them where they are, and so on, rising [s].
+  std::vector<double> switches;
+  bool reports_stiffness = false;  ///< static: its tangent stiffness at the end is in the report
 };
 
 /// A load of a scene: Neumann condition, body force or spring.
@@ -238,6 +241,7 @@ struct ColliderDescription {
   std::optional<double>
       stiffness;        ///< stiffness of the barrier [Pa]; default 0.1 of each body's Young's modulus
   double friction = 0;  ///< Coulomb friction coefficient
+  TimeFunction friction_factor;  ///< on it; a constant one is 1
 };
 
 /// A contact pair (two bodies, or one and itself) with its own settings.
@@ -258,6 +262,7 @@ struct ContactDescription {
       stiffness;        ///< stiffness of the barrier [Pa]; default 0.1 of each body's Young's modulus
   double friction = 0;  ///< Coulomb friction coefficient of bodies on each other and on themselves
   std::optional<double> friction_speed;  ///< [m/s]; default: see default_friction_speed
+  TimeFunction friction_factor;          ///< on all of these coefficients; a constant one is 1
   int friction_iterations = 50;          ///< limit of lagged friction iterations per stage
   std::vector<ContactPairDescription> pairs;
 };
@@ -403,6 +408,13 @@ struct ModesOptions {
   bool is_loaded = false;  ///< about the equilibrium under the loads, not the reference
 };
 
+/// One of the steps in sequence that a run goes through.
+struct StepDescription {
+  std::string place = "step";
+  std::string name;
+  double end = 0;  ///< [s]
+};
+
 /// A whole simulation.
 struct Description {
   std::string place = "scene";
@@ -410,6 +422,7 @@ struct Description {
   bool is_dynamic = false;
   int dimension = 3;                  ///< 3, or 2: plane strain, unit thickness
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
+  TimeFunction gravity_function;      ///< on gravity, in place of the load factor
   double time_step = 0.01;            ///< dynamics [s]
   double end_time = 1;                ///< end of the run; static: the time at load factor 1 [s]
   std::string integrator = "backward_euler";
@@ -420,6 +433,7 @@ struct Description {
   int max_steps = 500;                                      ///< arc_length: the path ends after so many steps
   UnstableModes unstable_modes = UnstableModes::automatic;  ///< static
   OnJump on_jump = OnJump::follow;                          ///< static
+  std::vector<StepDescription> steps;                       ///< in order; empty: one without a name
   std::vector<BodyDescription> bodies;
   std::vector<FixDescription> fixes;
   std::vector<TieDescription> ties;

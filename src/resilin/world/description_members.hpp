@@ -28,17 +28,17 @@ RESILIN_MEMBERS(TimeFunction::Sine, frequency, amplitude, phase, offset)
 RESILIN_MEMBERS(TimeFunction::Ramp, from, until)
 RESILIN_MEMBERS(TimeFunction, form)
 RESILIN_MEMBERS(FixDescription, place, name, body, where, components, displacement, gradient, rotate,
-                velocity, until, time_function)
+                velocity, until, time_function, switches, reports_stiffness)
 RESILIN_MEMBERS(LoadDescription, place, name, body, kind, where, value, pressure, point, stiffness,
                 displacement, velocity, from, until, time_function)
 RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius, size, start, end, mesh, mesh_name, scale,
                 translate)
 RESILIN_MEMBERS(ColliderTurn, axis, center, degrees, degrees_per_second)
 RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, displacement, time_function,
-                rotate, activation_distance, stiffness, friction)
+                rotate, activation_distance, stiffness, friction, friction_factor)
 RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled, friction)
 RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness,
-                friction, friction_speed, friction_iterations, pairs)
+                friction, friction_speed, friction_factor, friction_iterations, pairs)
 RESILIN_MEMBERS(TiedSurface, place, body, where)
 RESILIN_MEMBERS(TieDescription, place, name, surfaces, closes_gap, max_distance)
 RESILIN_MEMBERS(ConstraintTerm, place, body, where, axis, coefficient)
@@ -56,9 +56,10 @@ RESILIN_MEMBERS(SolverOptions, kind, max_iterations)
 RESILIN_MEMBERS(OutputOptions, every, fields, formats)
 RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
 RESILIN_MEMBERS(ModesOptions, count, is_loaded)
-RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, time_step, end_time, integrator,
-                adaptive, modes, load_steps, load_control, max_steps, unstable_modes, on_jump, bodies, fixes,
-                ties, constraints, joints, springs, cables, loads, colliders, contact, probes, sections,
-                newton, solver, output)
+RESILIN_MEMBERS(StepDescription, place, name, end)
+RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, gravity_function, time_step,
+                end_time, integrator, adaptive, modes, load_steps, load_control, max_steps, unstable_modes,
+                on_jump, steps, bodies, fixes, ties, constraints, joints, springs, cables, loads, colliders,
+                contact, probes, sections, newton, solver, output)
 
 }  // namespace resilin

@@ -23,8 +23,15 @@ bool follows_time(const Description& description) {
   const auto has_motor = [&](const JointDescription& joint) {
     return joint.motor && has_function(*joint.motor);
   };
+  const auto rubs_at_times = [](const ColliderDescription& collider) {
+    return !collider.friction_factor.is_constant();
+  };
+  const auto is_switched = [](const FixDescription& fix) { return !fix.switches.empty(); };
   const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
   return std::ranges::any_of(description.fixes, varies) ||
+         std::ranges::any_of(description.fixes, is_switched) || !description.gravity_function.is_constant() ||
+         !description.contact.friction_factor.is_constant() ||
+         std::ranges::any_of(description.colliders, rubs_at_times) ||
          std::ranges::any_of(description.constraints, follows) ||
          std::ranges::any_of(description.joints, has_motor) ||
          std::ranges::any_of(description.cables, has_function) ||
@@ -41,7 +48,21 @@ std::vector<double> event_times(const Description& description) {
     times.insert(times.end(), kinks.begin(), kinks.end());
     if (entry.until) times.push_back(*entry.until);
   };
-  for (const FixDescription& fix : description.fixes) add(fix);
+  bool is_released = false;
+  for (const FixDescription& fix : description.fixes) {
+    add(fix);
+    times.insert(times.end(), fix.switches.begin(), fix.switches.end());
+    is_released = is_released || !fix.switches.empty();
+  }
+  if (is_released)
+    for (const StepDescription& step : description.steps) times.push_back(step.end);
+  const auto add_kinks = [&times](const TimeFunction& function) {
+    const std::vector<double> kinks = function.kinks();
+    times.insert(times.end(), kinks.begin(), kinks.end());
+  };
+  add_kinks(description.gravity_function);
+  add_kinks(description.contact.friction_factor);
+  for (const ColliderDescription& collider : description.colliders) add_kinks(collider.friction_factor);
   const auto add_function = [&times](const auto& entry) {
     const std::vector<double> kinks = entry.time_function.kinks();
     times.insert(times.end(), kinks.begin(), kinks.end());

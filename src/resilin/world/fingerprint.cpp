@@ -173,6 +173,21 @@ bool is_seen(const BodyDescription& body, std::string_view member) {
   return !is_one_of(member, {"place", "name", "mesh_name"});
 }
 
+bool is_seen(const FixDescription& fix, std::string_view member) {
+  if (member == "switches") return !fix.switches.empty();
+  return !is_one_of(member, {"place", "name", "reports_stiffness"});
+}
+
+bool is_seen(const ColliderDescription& collider, std::string_view member) {
+  if (member == "friction_factor") return !collider.friction_factor.is_constant();
+  return !is_one_of(member, {"place", "name"});
+}
+
+bool is_seen(const ContactDescription& contact, std::string_view member) {
+  if (member == "friction_factor") return !contact.friction_factor.is_constant();
+  return member != "place";
+}
+
 bool is_seen(const SkinDescription&, std::string_view member) {
   return !is_one_of(member, {"place", "surface_name"});
 }
@@ -194,6 +209,10 @@ bool is_seen(const Description& description, std::string_view member) {
   if (is_one_of(member, {"place", "title", "is_dynamic", "max_steps", "unstable_modes", "on_jump", "probes",
                          "sections", "output", "end_time"}))
     return false;
+  if (member == "gravity_function") return !description.gravity_function.is_constant();
+  // A support that is released lets its force fade until the step ends.
+  if (member == "steps")
+    return std::ranges::any_of(description.fixes, [](const auto& fix) { return !fix.switches.empty(); });
   if (is_one_of(member, {"time_step", "integrator", "adaptive"})) return description.is_dynamic;
   if (is_one_of(member, {"load_steps", "load_control"})) return !description.is_dynamic;
   return true;
@@ -224,9 +243,9 @@ std::string key_of(std::string_view member) {
 
 std::string table_of(std::string_view list) {
   constexpr std::pair<std::string_view, const char*> tables[] = {
-      {"bodies", "body"},       {"fixes", "fix"},      {"ties", "tie"},     {"constraints", "constraint"},
-      {"joints", "joint"},      {"springs", "spring"}, {"cables", "cable"}, {"loads", "load"},
-      {"colliders", "collider"}};
+      {"bodies", "body"},        {"fixes", "fix"},      {"ties", "tie"},     {"constraints", "constraint"},
+      {"joints", "joint"},       {"springs", "spring"}, {"cables", "cable"}, {"loads", "load"},
+      {"colliders", "collider"}, {"steps", "step"}};
   for (const auto& [name, table] : tables)
     if (list == name) return table;
   return std::string(list);

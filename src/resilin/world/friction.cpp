@@ -26,6 +26,7 @@ void check_friction(double coefficient, const std::string& place, World& world) 
 
 std::shared_ptr<const Friction> make_friction(const ContactDescription& description, World& world) {
   std::vector<std::shared_ptr<const FrictionSource>> sources;
+  std::vector<TimeFunction> factors;
   for (const auto& collider : world.colliders)
     if (collider->friction() > 0) sources.push_back(collider);
   for (const auto& collider : world.mesh_colliders)
@@ -42,7 +43,11 @@ std::shared_ptr<const Friction> make_friction(const ContactDescription& descript
     throw InputError(world.place + ": simulation.load_control", "\"load\" where there is friction",
                      "\"arc_length\"",
                      "friction depends on the history of the bodies, which arc length does not have");
-  return std::make_shared<Friction>(world.dimension, std::move(sources), speed);
+  for (const auto& source : sources) {
+    const auto found = world.friction_factors.find(std::string(source->name_in_reports()));
+    factors.push_back(found == world.friction_factors.end() ? TimeFunction{} : found->second);
+  }
+  return std::make_shared<Friction>(world.dimension, std::move(sources), speed, std::move(factors));
 }
 
 double default_friction_speed(const World& world) { return friction_speed_share * smallest_extent(world); }

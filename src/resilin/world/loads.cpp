@@ -41,7 +41,8 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
   return rigid != nullptr ? carried_term(std::move(made), *rigid, body.first_node, site.vertices) : made;
 }
 
-std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world, bool is_in_motion) {
+std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const TimeFunction& function, const World& world,
+                                     bool is_in_motion) {
   VectorX forces = VectorX::Zero(world.rest_positions.size());
   if (is_in_motion) {
     const int dim = world.dimension;
@@ -59,7 +60,8 @@ std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world,
                        forces);
     }
   }
-  return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions);
+  return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions,
+                                    ActiveTime{.function = function});
 }
 
 }  // namespace resilin

@@ -14,6 +14,8 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
 /// The weight of all bodies [N] as dead nodal forces. In motion M g with the mass matrix that inertia has, so
 /// that what falls freely keeps its shape; at rest, where no inertia acts, integral N_a rho g dV, however
 /// mass is lumped. In sum both are the weight. `world.mass` must be known.
-std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const World& world, bool is_in_motion);
+/// @param function  in place of the load factor
+std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const TimeFunction& function, const World& world,
+                                     bool is_in_motion);
 
 }  // namespace resilin

@@ -130,7 +130,10 @@ bool has_inside(const World& world, const Body& body) {
 
 std::vector<std::uint8_t> held_nodes(const World& world) {
   const int dim = world.dimension;
-  const std::vector<std::int32_t> support_of = supports_of_unknowns(dim, world.num_nodes(), world.supports);
+  std::vector<Support> always;  // those that let go leave their vertices to contact
+  std::ranges::copy_if(world.supports, std::back_inserter(always), &std::vector<double>::empty,
+                       &Support::switches);
+  const std::vector<std::int32_t> support_of = supports_of_unknowns(dim, world.num_nodes(), always);
   std::vector<std::uint8_t> is_held;
   for (auto first = support_of.begin(); first != support_of.end(); first += dim)
     is_held.push_back(std::all_of(first, first + dim, [](std::int32_t support) { return support >= 0; }));

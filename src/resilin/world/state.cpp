@@ -12,7 +12,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::string_view magic = "resilin state 11\n";
+constexpr std::string_view magic = "resilin state 12\n";
 constexpr const char* begin_again = "run again without --resume";
 constexpr int largest_step = 1000000000;           ///< so that the counter never overflows in what follows
 constexpr double smallest_load_increment = 1e-10;  ///< far below what load control ever tries
@@ -21,7 +21,8 @@ constexpr double smallest_load_increment = 1e-10;  ///< far below what load cont
 constexpr std::array<std::string_view, 6> signed_numbers = {
     "load", "previous_load", "largest_jump_load", "dissipated_energy", "friction_work", "energy_excess"};
 /// Vectors that may be empty.
-constexpr std::array<std::string_view, 2> optional_vectors = {"accelerations", "previous_velocities"};
+constexpr std::array<std::string_view, 4> optional_vectors = {"accelerations", "previous_velocities",
+                                                              "released_forces", "support_places"};
 
 template <std::size_t count>
 bool is_one_of(std::string_view name, const std::array<std::string_view, count>& names) {

@@ -49,13 +49,18 @@ struct State {
   double removed_energy = 0;          ///< from the velocities of these [J]
   int divided_steps = 0;              ///< taken in parts, for none of the whole length was found
 
+  int phase = 0;  ///< phase of supports (support_phase.hpp)
+  VectorX
+      released_forces{};  ///< statics: of supports, where a step has begun to release them; empty: none [N]
+  VectorX support_places{};  ///< where supports move their nodes from; empty: rest positions [m]
+
   VectorX history{};  ///< internal variables of the terms, one term after another (HistoryTerm)
 };
 RESILIN_MEMBERS(State, step, mode, time, load, positions, velocities, previous_positions, load_increment,
                 previous_load, arc_length, load_weight, jumps, largest_jump, largest_jump_load, friction_work,
                 unsettled_steps, friction_mismatch, accelerations, previous_velocities, previous_time_step,
                 time_step, dissipated_energy, collider_delay, energy_excess, largest_kinetic_energy,
-                guarded_steps, removed_energy, divided_steps, history)
+                guarded_steps, removed_energy, divided_steps, phase, released_forces, support_places, history)
 
 /// Under which its forces are taken.
 inline Conditions conditions_of(const State& state) {

@@ -37,8 +37,12 @@ Vector3 Support::target(const Vector3& X, const Conditions& c) const {
   return place_now;
 }
 
+bool Support::moves() const {
+  return !displacement.isZero(0) || !gradient.isZero(0) || rotate.has_value() || !velocity.isZero(0);
+}
+
 double Support::turn_between(const Conditions& from, const Conditions& to) const {
-  if (!rotate) return 0;
+  if (!rotate || !holds) return 0;
   constexpr int num_samples = 16;  // number of samples of a function that goes up and down
   double least = std::numeric_limits<double>::infinity(), largest = -least;
   const auto look_at = [&](double part) {
@@ -89,6 +93,7 @@ std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
                                                const std::vector<Support>& supports) {
   std::vector<std::int32_t> owner(static_cast<std::size_t>(num_nodes) * static_cast<std::size_t>(dim), -1);
   for (std::size_t s = 0; s < supports.size(); ++s) {
+    if (!supports[s].holds) continue;
     for (const Index node : supports[s].nodes) {
       for (int k = 0; k < dim; ++k) {
         if (!supports[s].components[static_cast<std::size_t>(k)]) continue;
@@ -99,6 +104,23 @@ std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
   }
   return owner;
 }
+
+namespace {
+
+bool holds_after(const Support& support, double time) {
+  return (std::ranges::upper_bound(support.switches, time) - support.switches.begin()) % 2 == 0;
+}
+
+/// Whether two supports ever hold at a time.
+bool hold_together(const Support& a, const Support& b) {
+  if (holds_after(a, 0) && holds_after(b, 0)) return true;
+  for (const std::vector<double>* times : {&a.switches, &b.switches})
+    for (const double time : *times)
+      if (holds_after(a, time) && holds_after(b, time)) return true;
+  return false;
+}
+
+}  // namespace
 
 void check_support_conflicts(int dim, const std::vector<Support>& supports, const VectorX& rest_positions) {
   const auto num_nodes = static_cast<Index>(rest_positions.size() / dim);
@@ -112,6 +134,13 @@ void check_support_conflicts(int dim, const std::vector<Support>& supports, cons
         if (!supports[s].components[static_cast<std::size_t>(k)] || other == static_cast<std::int32_t>(s))
           continue;
         const Support& holder = supports[static_cast<std::size_t>(other)];
+        const bool both_switch = !holder.switches.empty() && !supports[s].switches.empty();
+        if (both_switch && (holder.moves() || supports[s].moves()))
+          throw InputError(supports[s].place,
+                           "vertices of its own for a support that moves and that a step releases",
+                           "vertex " + std::to_string(node) + ", which is in " + holder.place + " too",
+                           "separate the two selections");
+        if (!hold_together(holder, supports[s])) continue;
         const Vector3 X = node_position(dim, node, rest_positions);
         const double mine = supports[s].target(X, now)[k];
         const double theirs = holder.target(X, now)[k];
@@ -137,22 +166,24 @@ void write_prescribed(int dim, const Support& support, Index node, const Vector3
 
 }  // namespace
 
-void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions,
-                    const Conditions& c, VectorX& x) {
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& places, const Conditions& c,
+                    VectorX& x) {
   // Backwards, so that the first support wins where two agree up to rounding.
   for (auto support = supports.rbegin(); support != supports.rend(); ++support) {
+    if (!support->holds) continue;
     for (const Index node : support->nodes) {
-      write_prescribed(dim, *support, node, support->target(node_position(dim, node, rest_positions), c), x);
+      write_prescribed(dim, *support, node, support->target(node_position(dim, node, places), c), x);
     }
   }
 }
 
-void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions, double time,
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& places, double time,
                     Motion& motion) {
-  place_supports(dim, supports, rest_positions, {.time = time, .load = 1}, motion.positions);
+  place_supports(dim, supports, places, {.time = time, .load = 1}, motion.positions);
   for (auto support = supports.rbegin(); support != supports.rend(); ++support) {
+    if (!support->holds) continue;
     for (const Index node : support->nodes) {
-      const Vector3 X = node_position(dim, node, rest_positions);
+      const Vector3 X = node_position(dim, node, places);
       write_prescribed(dim, *support, node, support->velocity_at(X, time), motion.velocities);
       write_prescribed(dim, *support, node, support->acceleration_at(X, time), motion.accelerations);
     }

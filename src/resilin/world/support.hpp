@@ -26,6 +26,12 @@ struct Support {
   std::optional<double> until;
   TimeFunction
       time_function;  ///< time function of displacement, gradient and rotate; in place of the load factor
+  std::vector<double> switches;  ///< see FixDescription [s]
+  bool reports_stiffness = false;
+  bool holds = true;  ///< in the present phase (support_phase.hpp)
+
+  /// Whether anything leads it elsewhere.
+  bool moves() const;
 
   /// Prescribed position of a node with reference position X [m].
   Vector3 target(const Vector3& X, const Conditions& c) const;
@@ -36,7 +42,7 @@ struct Support {
   Vector3 acceleration_at(const Vector3& X, double time) const;
 };
 
-/// Prescribed DOFs and their boundary conditions: dim numbers per node, -1 where free.
+/// Prescribed DOFs and their boundary conditions, of those that hold: dim numbers per node, -1 where free.
 std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
                                                const std::vector<Support>& supports);
 
@@ -57,11 +63,12 @@ bool turns_at_once(const FixDescription& fix);
 double largest_turn(const std::vector<Support>& supports, const Conditions& from, const Conditions& to);
 
 /// Writes the prescribed places into `x`.
-void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions,
-                    const Conditions& c, VectorX& x);
+/// @param places  from which supports move their nodes
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& places, const Conditions& c,
+                    VectorX& x);
 
 /// The same with the velocities [m/s] and accelerations [m/s^2] of the prescribed motion.
-void place_supports(int dim, const std::vector<Support>& supports, const VectorX& rest_positions, double time,
+void place_supports(int dim, const std::vector<Support>& supports, const VectorX& places, double time,
                     Motion& motion);
 
 }  // namespace resilin

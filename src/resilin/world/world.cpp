@@ -7,6 +7,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/energy/dead_load.hpp"
 #include "resilin/energy/history_term.hpp"
 #include "resilin/energy/inertia.hpp"
 #include "resilin/mesh/facet.hpp"
@@ -32,6 +33,7 @@
 #include "resilin/world/selection.hpp"
 #include "resilin/world/start_check.hpp"
 #include "resilin/world/start_distance.hpp"
+#include "resilin/world/support_phase.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
 namespace resilin {
@@ -159,6 +161,7 @@ void Builder::build() {
   if (part_ == nullptr) check_start(description_, world_);
   for (std::size_t i = 0; i < description_.fixes.size(); ++i) add_support(i);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
+  world_.switch_times = switch_times(world_.supports);
   for (std::size_t i = 0; i < description_.loads.size(); ++i) add_load(i);
   for (std::size_t i = 0; i < description_.probes.size(); ++i) add_probe(i);
   for (const SectionDescription& section : description_.sections) add_section(section);
@@ -174,8 +177,14 @@ void Builder::build() {
   for (std::size_t i = 0; i < description_.loads.size(); ++i) world_.origins.push_back({Kind::load, i});
   world_.origins.insert(world_.origins.end(), coupled_origins_.begin(), coupled_origins_.end());
   if (description_.gravity.head(world_.dimension).norm() > 0)
-    world_.terms.push_back(make_gravity(description_.gravity, world_, world_.is_dynamic));
+    world_.terms.push_back(
+        make_gravity(description_.gravity, description_.gravity_function, world_, world_.is_dynamic));
   note_origin({Kind::gravity});
+  if (!world_.is_dynamic && !world_.switch_times.empty()) {
+    world_.terms.push_back(std::make_shared<DeadLoad>("release", VectorX::Zero(world_.rest_positions.size()),
+                                                      world_.rest_positions));
+    note_origin({Kind::release});
+  }
   for (std::size_t b = 0; b < world_.bodies.size(); ++b)
     check_contact_skin(world_.bodies[b], world_, description_.bodies[b].place);
   find_fixed_unknowns();
@@ -189,7 +198,9 @@ void Builder::build() {
   if (part_ != nullptr) return;  // the whole has been checked
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
-  if (finds_equilibrium) is_axisymmetric(world_) ? check_is_held_along_axis(world_) : check_is_held(world_);
+  check_releases(description_, world_);
+  if (finds_equilibrium && world_.switch_times.empty())
+    is_axisymmetric(world_) ? check_is_held_along_axis(world_) : check_is_held(world_);
   find_oddities();
 }
 
@@ -295,7 +306,9 @@ void Builder::add_support(std::size_t number) {
                   .rotate = fix.rotate,
                   .velocity = fix.velocity,
                   .until = fix.until,
-                  .time_function = fix.time_function};
+                  .time_function = fix.time_function,
+                  .switches = fix.switches,
+                  .reports_stiffness = fix.reports_stiffness};
   if (world_.dimension == 2) support.components[2] = false;
   if (world_.is_dynamic && fix.rotate && turns_at_once(fix)) ease_turn(*fix.rotate, world_, support);
   for (Index& node : support.nodes) node += body.first_node;
@@ -410,6 +423,9 @@ void Builder::add_contact_terms(const ContactWishes& wishes) {
   world_.contact = make_contact(wishes.contact, world_);
   if (world_.contact) world_.terms.push_back(world_.contact);
   note_origin({Kind::contact});
+  for (const ColliderDescription& collider : wishes.colliders)
+    world_.friction_factors[collider.name] = collider.friction_factor;
+  world_.friction_factors[""] = wishes.contact.friction_factor;
   world_.friction = make_friction(wishes.contact, world_);
   if (world_.friction) world_.terms.push_back(world_.friction);
   note_origin({Kind::friction});
@@ -418,8 +434,7 @@ void Builder::add_contact_terms(const ContactWishes& wishes) {
 void Builder::find_fixed_unknowns() {
   const int dim = world_.dimension;
   world_.support_of = supports_of_unknowns(dim, world_.num_nodes(), world_.supports);
-  world_.is_fixed.reserve(world_.support_of.size());
-  for (const std::int32_t support : world_.support_of) world_.is_fixed.push_back(support >= 0 ? 1 : 0);
+  world_.is_fixed.assign(world_.support_of.size(), 0);
   // A vertex that no cell uses has no stiffness: it stays where it is.
   std::vector<bool> is_used(static_cast<std::size_t>(world_.num_nodes()), false);
   for (const Body& body : world_.bodies)
@@ -430,6 +445,9 @@ void Builder::find_fixed_unknowns() {
     for (const Dependents::Relation& relation : dependents->relations())
       world_.is_fixed[static_cast<std::size_t>(relation.unknown)] = 1;
   fix_axis(world_);
+  if (!world_.switch_times.empty()) world_.is_fixed_otherwise = world_.is_fixed;
+  for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)
+    if (world_.support_of[i] >= 0) world_.is_fixed[i] = 1;
 }
 
 }  // namespace
@@ -442,6 +460,7 @@ World::World(const Description& description, std::shared_ptr<const Description> 
       place(description.place),
       made_from(std::move(shared)),
       gravity(description.gravity),
+      gravity_function(description.gravity_function),
       time_step(description.time_step),
       end_time(description.end_time),
       path_time(!description.is_dynamic && follows_time(description) ? description.end_time : 0),
@@ -454,6 +473,7 @@ World::World(const Description& description, std::shared_ptr<const Description> 
       integrator(description.integrator),
       adaptive(description.adaptive),
       modes(description.modes),
+      steps(description.steps),
       newton(description.newton),
       solver(description.solver),
       output(description.output),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -68,7 +69,8 @@ struct TermOrigin {
     spring,
     cable,
     viscous_damping,  ///< viscous damping of a domain
-    mass_damping
+    mass_damping,
+    release  ///< what supports exert while they let go, in statics
   };
   Kind kind;
   std::size_t number = 0;  ///< number of the load or the collider in the description, or of the body
@@ -89,7 +91,8 @@ Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim)
 /// The longest reach of the body along the axes [m].
 double largest_extent(const Body& body, const VectorX& positions, int dim);
 
-/// Everything about a simulation that does not change while it runs. A value: no step changes it.
+/// Everything about a simulation that does not change while it runs. A value: no step changes it, but for
+/// supports that the steps of a scene release or activate (support_phase.hpp).
 class World {
  public:
   /// Checks and assembles a description. Throws InputError, whose message begins with the place of the fault.
@@ -105,6 +108,7 @@ class World {
   std::string place;
   std::shared_ptr<const Description> made_from;  ///< null once a material or contact was changed
   Vector3 gravity = Vector3::Zero();             ///< [m/s^2]
+  TimeFunction gravity_function;                 ///< see Description
   double time_step = 0;
   double end_time = 0;
   double path_time = 0;  ///< static: the time at load factor 1, where anything follows time; else 0 [s]
@@ -116,8 +120,11 @@ class World {
   std::string integrator;
   std::optional<AdaptiveSteps> adaptive;
   std::optional<ModesOptions> modes;  ///< set for a modal analysis
-  std::vector<double> event_times;    ///< where loads and prescribed motions are not smooth, rising [s]
-  int friction_iterations = 0;        ///< friction iterations of ContactDescription
+  std::vector<StepDescription> steps;
+  std::vector<double> event_times;  ///< where loads and prescribed motions are not smooth, rising [s]
+  /// On the coefficients of friction, by the collider; those between bodies under "". None: 1.
+  std::map<std::string, TimeFunction> friction_factors;
+  int friction_iterations = 0;  ///< friction iterations of ContactDescription
   NewtonOptions newton;
   SolverOptions solver;
   OutputOptions output;
@@ -155,6 +162,11 @@ class World {
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per DOF: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per DOF: index of its boundary condition; -1: none
+  std::vector<double> switch_times;      ///< see support_phase.hpp; empty: all supports always hold [s]
+  // Empty where no step releases a support:
+  std::vector<std::uint8_t> is_fixed_otherwise;  ///< per DOF: fixed without supports
+  std::vector<std::int32_t> released_from;       ///< per DOF: the support that is letting go of it; -1: none
+  VectorX support_places;                        ///< see held_from
   /// Ties and linear constraints, whose dependent DOFs are among the fixed ones; null without any.
   std::shared_ptr<const LinearConstraints> constraints;
   /// Activation distances that were chosen shorter than the default, by contact term [m].
@@ -170,6 +182,8 @@ class World {
   const VectorX& contact_shape() const {
     return other_contact_shape.size() > 0 ? other_contact_shape : rest_positions;
   }
+  /// Where supports move their nodes from [m].
+  const VectorX& held_from() const { return support_places.size() > 0 ? support_places : rest_positions; }
   /// The number of the term that this has made, if it has made one.
   std::optional<std::size_t> find_term(const TermOrigin& of) const;
   /// Likewise of a load, which makes one, and of a domain.
