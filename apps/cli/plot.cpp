@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "plot_picture.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/plot_frame.hpp"
@@ -34,6 +35,9 @@ class Series {
   explicit Series(const Json& frames) : num_frames_(frames.size()) {
     for (std::size_t i = 0; i < frames.size(); ++i) add_frame(frames[i], i);
   }
+
+  /// The step of the scene in which each frame lies; empty where a scene has none.
+  const std::vector<std::string>& steps() const { return steps_; }
 
   std::vector<std::string> names() const {
     std::vector<std::string> all;
@@ -85,6 +89,11 @@ class Series {
     for (const char* key : {"time", "load", "step", "newton_iterations", "residual_newton",
                             "min_volume_ratio", "unstable_modes"})
       if (frame.contains(key)) add(key, frame[key], number);
+    if (frame.contains("step_name") && frame["step_name"].is_string()) {
+      steps_.resize(num_frames_);
+      steps_[number] = frame["step_name"].get<std::string>();
+    }
+    if (frame.contains("collider_contacts")) add("contact", frame["collider_contacts"], number);
     if (!frame.contains("contacts") || !frame["contacts"].is_array()) return;
     for (const Json& contact : frame["contacts"]) {
       std::string name = "contact";
@@ -98,6 +107,7 @@ class Series {
 
   std::size_t num_frames_;
   std::map<std::string, std::vector<double>> values_;
+  std::vector<std::string> steps_;
 };
 
 /// Unit of what a name means; empty for a number without.
@@ -109,10 +119,10 @@ std::string unit_of(std::string_view name) {
   if (name.starts_with("reaction_moment.") || (name.starts_with("section.") && has(".moment"))) return "N m";
   if (name.starts_with("reaction.") || name == "residual_newton") return "N";
   if (name.starts_with("probe.")) return has(".velocity") ? "m/s" : "m";
-  if (has(".force")) return "N";
-  if (has(".pressure")) return "Pa";
+  if (has(".force") || has(".normal_force")) return "N";
+  if (has(".pressure") || has(".mean_pressure")) return "Pa";
   if (has(".area")) return "m^2";
-  return has("gap") ? "m" : "";
+  return has("gap") || has(".center") || has(".extent") ? "m" : "";
 }
 
 std::string label_of(const std::string& name) {
@@ -132,22 +142,52 @@ std::string cell(std::string_view text) {
   return quoted + '"';
 }
 
-std::string csv(const Curve& x, const std::vector<Curve>& ys) {
+/// @param steps  names in a last column; empty: none
+std::string csv(const Curve& x, const std::vector<Curve>& ys, const std::vector<std::string>& steps) {
   std::string text = cell(label_of(x.name));
   for (const Curve& y : ys) text += "," + cell(label_of(y.name));
-  text += "\n";
+  text += steps.empty() ? "\n" : ",step_name\n";
   const auto number = [](double value) { return std::isfinite(value) ? format_number(value) : ""; };
   for (std::size_t i = 0; i < x.values->size(); ++i) {
     text += number((*x.values)[i]);
     for (const Curve& y : ys) text += "," + number((*y.values)[i]);
-    text += "\n";
+    text += steps.empty() ? "\n" : "," + cell(steps[i]) + "\n";
   }
   return text;
 }
 
+/// Whether no value is below the one before it.
+bool rises(const std::vector<double>& values) {
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (!(values[i] >= values[i - 1])) return false;
+  return true;
+}
+
+/// Where each step of the scene ends, along an axis that rises.
+std::vector<PlotMark> step_marks(const Curve& x, const std::vector<std::string>& steps) {
+  std::vector<PlotMark> marks;
+  if (!rises(*x.values)) return marks;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool is_last = i + 1 == steps.size();
+    if (is_last || steps[i + 1] != steps[i])
+      marks.push_back({.name = steps[i], .at = (*x.values)[i], .has_line = !is_last});
+  }
+  return marks;
+}
+
+std::string svg_mark(const PlotFrame& frame, const PlotMark& mark) {
+  const double at = frame.at_x(mark.at), end = PlotFrame::height - PlotFrame::bottom;
+  std::string text;
+  if (mark.has_line)
+    text = fmt::format("<line class=\"step\" x1=\"{0:.2f}\" x2=\"{0:.2f}\" y1=\"{1}\" y2=\"{2}\"/>", at,
+                       PlotFrame::top, end);
+  return text + fmt::format("<text class=\"step\" x=\"{:.2f}\" y=\"{}\" text-anchor=\"end\">{}</text>",
+                            at - 3, end - 4, html_text(mark.name));
+}
+
 constexpr std::string_view style =
     "text{font:11px sans-serif;fill:#333}.title{font-weight:bold}.grid{stroke:#ddd}.axis{stroke:#555}"
-    "polyline{fill:none;stroke-width:1.8}";
+    "polyline{fill:none;stroke-width:1.8}line.step{stroke:#999;stroke-dasharray:3}text.step{fill:#777}";
 constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                    "#e69f00", "#56b4e9", "#7f3c8d", "#666666"};
 
@@ -172,29 +212,63 @@ std::string lines(const PlotFrame& frame, const Curve& x, const Curve& y, const 
   return text;
 }
 
-std::string svg(const std::string& title, const Curve& x, const std::vector<Curve>& ys) {
-  PlotAxis horizontal{.label = label_of(x.name), .range = {}};
-  PlotAxis vertical{.label = unit_of(ys[0].name), .range = {}};
-  for (const double value : *x.values) horizontal.range.include(value);
-  for (const Curve& y : ys) {
-    for (const double value : *y.values) vertical.range.include(value);
-    if (unit_of(y.name) != vertical.label) vertical.label = "units: see names";
+struct Plot {
+  std::string title;
+  Curve x;
+  std::vector<Curve> ys;
+  std::vector<PlotMark> marks;
+  PlotAxis horizontal, vertical;
+
+  Plot(std::string title_text, const Curve& along, std::vector<Curve> curves,
+       const std::vector<std::string>& steps)
+      : title(std::move(title_text)), x(along), ys(std::move(curves)), marks(step_marks(x, steps)) {
+    horizontal.label = label_of(x.name);
+    vertical.label = unit_of(ys[0].name);
+    for (const double value : *x.values) horizontal.range.include(value);
+    for (const Curve& y : ys) {
+      for (const double value : *y.values) vertical.range.include(value);
+      if (unit_of(y.name) != vertical.label) vertical.label = "units: see names";
+    }
+    if (!vertical.range.is_empty()) vertical.range = vertical.range.widened(0.05);
   }
-  if (!vertical.range.is_empty()) vertical.range = vertical.range.widened(0.05);
-  const PlotFrame frame(title, "plot", horizontal, vertical);
+  PlotFrame frame() const { return {title, "plot", horizontal, vertical}; }
+};
+
+constexpr const char* colour(std::size_t curve) { return colours[curve % std::size(colours)]; }
+
+std::string svg(const Plot& plot) {
+  const PlotFrame frame = plot.frame();
   std::string text = frame.open();
   text.insert(4, fmt::format(" xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\"",
                              2 * PlotFrame::width, 2 * PlotFrame::height));
   text += fmt::format("<style>{}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", style);
   text += frame.axes();
-  for (std::size_t i = 0; i < ys.size(); ++i) {
-    const char* colour = colours[i % std::size(colours)];
-    text += lines(frame, x, ys[i], colour);
+  for (const PlotMark& mark : plot.marks) text += svg_mark(frame, mark);
+  for (std::size_t i = 0; i < plot.ys.size(); ++i) {
+    text += lines(frame, plot.x, plot.ys[i], colour(i));
     text += fmt::format("<text x=\"{}\" y=\"{}\" style=\"fill:{}\">{}</text>", PlotFrame::left + 6,
-                        PlotFrame::top + 12 + 13 * static_cast<double>(i), colour,
-                        html_text(label_of(ys[i].name)));
+                        PlotFrame::top + 12 + 13 * static_cast<double>(i), colour(i),
+                        html_text(label_of(plot.ys[i].name)));
   }
   return text + "</svg>\n";
+}
+
+/// "#0072b2"
+Color color_of(const std::string& text) {
+  const auto part = [&text](std::size_t at) {
+    return static_cast<std::uint8_t>(std::stoi(text.substr(at, 2), nullptr, 16));
+  };
+  return {part(1), part(3), part(5)};
+}
+
+Image picture_of(const Plot& plot) {
+  std::vector<PlottedCurve> curves;
+  for (std::size_t i = 0; i < plot.ys.size(); ++i)
+    curves.push_back({.label = label_of(plot.ys[i].name),
+                      .color = color_of(colour(i)),
+                      .x = *plot.x.values,
+                      .y = *plot.ys[i].values});
+  return plot_image(plot.frame(), plot.title, plot.horizontal, plot.vertical, curves, plot.marks);
 }
 
 int plot(const PlotOptions& options) {
@@ -212,15 +286,21 @@ int plot(const PlotOptions& options) {
   std::vector<Curve> ys;
   for (const std::string& name : options.y) ys.push_back({name, &series.find(name, "--y")});
   const std::string title = options.title.empty() ? options.y[0] : options.title;
-  if (options.out.empty()) print_text(csv(x, ys));
+  if (options.out.empty()) print_text(csv(x, ys, series.steps()));
   for (const std::string& file : options.out) {
     const std::string ending = std::filesystem::path(file).extension().string();
-    if (ending != ".csv" && ending != ".svg")
-      throw InputError(one_line(file), "a name that ends in .csv or .svg", '"' + one_line(ending) + '"');
+    if (ending != ".csv" && ending != ".svg" && ending != ".png")
+      throw InputError(one_line(file), "a name that ends in .csv, .svg or .png",
+                       '"' + one_line(ending) + '"');
   }
+  const Plot drawn(title, x, ys, series.steps());
   for (const std::string& file : options.out) {
-    const bool is_table = std::filesystem::path(file).extension() == ".csv";
-    write_text(file, is_table ? csv(x, ys) : svg(title, x, ys));
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (ending == ".png") {
+      write_png(file, picture_of(drawn));
+    } else {
+      write_text(file, ending == ".csv" ? csv(x, ys, series.steps()) : svg(drawn));
+    }
     print_line("wrote " + one_line(file));
   }
   return done;
@@ -231,22 +311,24 @@ int plot(const PlotOptions& options) {
 void add_plot(CommandLine& line, Action& action) {
   auto options = std::make_shared<PlotOptions>();
   const Command command =
-      line.command("plot", "Curves of a run: forces, displacements, energies, as CSV or SVG");
+      line.command("plot", "Curves of a run: forces, displacements, energies, as CSV, SVG or PNG");
   command.option("run", options->folder, "Results folder of a run, or its report.json")
       .required()
       .is_file_or_folder({"json"});
   command.option("--x", options->x, "Quantity on the horizontal axis").type_name("NAME").shows_default();
   command.option("--y", options->y, "Quantity of a curve; repeatable").type_name("NAME").repeatable();
-  command.option("--out", options->out, "File to write, .csv or .svg; repeatable. Without it: CSV on stdout")
+  command
+      .option("--out", options->out,
+              "File to write, .csv, .svg or .png; repeatable. Without it: CSV on stdout")
       .type_name("FILE")
       .repeatable()
-      .is_file({"csv", "svg"});
+      .is_file({"csv", "svg", "png"});
   command.option("--title", options->title, "Title of the picture").type_name("TEXT");
   command.flag("--list", options->lists, "List the quantities of the run");
   command.footer(
-      "Names: time, load, probe.NAME.displacement.x, reaction.NAME.y, contact.A.B.force, energy.elastic, "
-      "...; "
-      "a vector without a component is its length.\n"
+      "Names: time, load, probe.NAME.displacement.x, reaction.NAME.y, contact.A.B.force, "
+      "contact.COLLIDER.pressure, energy.elastic, ...; a vector without a component is its length. "
+      "In scenes with steps a table gives the step of each row, and a picture has a line where each ends.\n"
       "Example:\n  resilin plot out/plug --x time --y reaction.plate.y --out force.svg\n\n"
       "Exit codes: 0 done; 1 the input is wrong.");
   command.on_chosen([options, &action] { action = [options] { return plot(*options); }; });

@@ -54,13 +54,38 @@ TEST_F(Plots, WriteATableAndAPicture) {
     EXPECT_THAT(picture, HasSubstr(part));
 }
 
+TEST_F(Plots, TellTheStepsAndTheContactOfColliders) {
+  folder.write("out/report.json", R"({"status": "done", "title": "", "dimension": 2, "frames": [
+    {"step": 0, "time": 0.0, "step_name": "press"},
+    {"step": 1, "time": 1.0, "step_name": "press",
+     "collider_contacts": {"plate": {"force": [0.0, -3.0], "pressure": 5.0, "area": 0.5, "center": [1.0, 2.0]}}},
+    {"step": 2, "time": 2.0, "step_name": "hold & wait",
+     "collider_contacts": {"plate": {"force": [0.0, -4.0], "pressure": 7.0, "area": 0.5, "center": [1.0, 2.0]}}}]})");
+  const ProgramResult both =
+      plot({"--y", "contact.plate.pressure", "--out", "c.csv", "--out", "c.svg", "--out", "c.png"});
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(read_text_file(folder.path() / "c.csv"),
+            "time [s],contact.plate.pressure [Pa],step_name\n0,,press\n1,5,press\n2,7,hold & wait\n");
+  const std::string picture = read_text_file(folder.path() / "c.svg");
+  EXPECT_THAT(picture, HasSubstr(">press</text>"));
+  EXPECT_THAT(picture, HasSubstr(">hold &amp; wait</text>"));
+  EXPECT_THAT(picture, HasSubstr("line class=\"step\""));
+  const std::string pixels = read_text_file(folder.path() / "c.png");
+  EXPECT_EQ(pixels.substr(1, 3), "PNG");
+  EXPECT_GT(pixels.size(), 2000U);
+  const ProgramResult list = plot({"--list"});
+  for (const char* name :
+       {"contact.plate.area [m^2]\n", "contact.plate.force.y [N]\n", "contact.plate.center.x [m]\n"})
+    EXPECT_THAT(list.out, HasSubstr(name));
+}
+
 TEST_F(Plots, RefuseInOneLineWhatTheyCannotPlot) {
   EXPECT_THAT(plot({"--y", "reaction.wal.x"}).err, HasSubstr("did you mean \"reaction.wall.x\"?"));
   EXPECT_THAT(plot({"--x", "tine", "--y", "load"}).err, HasSubstr("did you mean \"time\"?"));
   EXPECT_THAT(plot({}).err, HasSubstr("--list prints all names"));
   const ProgramResult ending = plot({"--y", "load", "--out", "a.pdf"});
   EXPECT_EQ(ending.exit_code, 1);
-  EXPECT_THAT(ending.err, HasSubstr("a name that ends in .csv or .svg"));
+  EXPECT_THAT(ending.err, HasSubstr("a name that ends in .csv, .svg or .png"));
   EXPECT_EQ(run_program(folder.path(), {"plot", "nowhere", "--list"}).exit_code, 1);
 }
 

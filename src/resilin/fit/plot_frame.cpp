@@ -83,6 +83,14 @@ double PlotFrame::at_y(double value) const {
   return std::clamp(height - bottom - share(y_, value) * inner_height, -1e4, 1e4);
 }
 
+std::vector<double> PlotFrame::ticks_x() const { return ticks_of(x_); }
+std::vector<double> PlotFrame::ticks_y() const { return ticks_of(y_); }
+
+double PlotFrame::base() const {
+  const bool shows_zero = !y_.is_logarithmic && y_.range.low <= 0 && y_.range.high >= 0;
+  return shows_zero ? at_y(0) : height - bottom;
+}
+
 std::string PlotFrame::open() const {
   return fmt::format(
       "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"><clipPath id=\"{}\"><rect x=\"{}\" y=\"{}\" "
@@ -93,20 +101,19 @@ std::string PlotFrame::open() const {
 std::string PlotFrame::axes() const {
   std::string text =
       fmt::format("<text class=\"title\" x=\"{}\" y=\"17\">{}</text>", left, html_text(title_));
-  const double base = height - bottom;
+  const double end = height - bottom;
   for (const double x : ticks_of(x_))
     text += fmt::format(
         "<line class=\"grid\" x1=\"{0:.2f}\" x2=\"{0:.2f}\" y1=\"{1}\" y2=\"{2}\"/><text x=\"{0:.2f}\" "
         "y=\"{3}\" text-anchor=\"middle\">{4}</text>",
-        at_x(x), top, base, base + 14, format_short(x));
+        at_x(x), top, end, end + 14, format_short(x));
   for (const double y : ticks_of(y_))
     text += fmt::format(
         "<line class=\"grid\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.2f}\" y2=\"{2:.2f}\"/><text x=\"{3}\" "
         "y=\"{4:.2f}\" text-anchor=\"end\">{5}</text>",
         left, width - right, at_y(y), left - 5, at_y(y) + 4, format_short(y));
-  const bool shows_zero = !y_.is_logarithmic && y_.range.low <= 0 && y_.range.high >= 0;
   text += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.2f}\" y2=\"{2:.2f}\"/>", left,
-                      width - right, shows_zero ? at_y(0) : base);
+                      width - right, base());
   return text + fmt::format(
                     "<text x=\"{0}\" y=\"{1}\" text-anchor=\"end\">{2}</text><text x=\"{0}\" y=\"17\" "
                     "text-anchor=\"end\">{3}</text>",

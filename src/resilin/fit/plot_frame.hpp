@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// Common parts of the pictures of a report.
 namespace resilin {
@@ -32,6 +33,10 @@ class PlotFrame {
 
   double at_x(double value) const;
   double at_y(double value) const;  ///< far outside: somewhere outside
+
+  std::vector<double> ticks_x() const;
+  std::vector<double> ticks_y() const;
+  double base() const;  ///< height of the horizontal axis: at zero where that is seen, else at the bottom
 
   std::string open() const;  ///< <svg ...>, and the clip path `clip()`
   std::string axes() const;

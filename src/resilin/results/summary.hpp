@@ -28,7 +28,7 @@ struct RunOutcome {
   std::vector<std::string> warnings{};           ///< warnings about the run, one line each
   DiscretisationErrors discretisation_errors{};  ///< estimates for the bodies, in their most strained state
   double estimate_seconds = 0;                   ///< the time that these took
-  std::vector<SupportStiffness> stiffness{};     ///< tangent stiffness of supports that ask for it, at the end
+  std::vector<SupportStiffness> stiffness{};  ///< tangent stiffness of supports that ask for it, at the end
 };
 
 /// Report of a whole run.
