@@ -91,13 +91,13 @@ void print_discretisation_errors(const World& world, const DiscretisationErrors&
 
 /// The stiffness along each axis of those supports that ask for it.
 void print_stiffness(const std::vector<SupportStiffness>& all, int dim) {
-  for (const SupportStiffness& stiffness : all) {
+  for (const SupportStiffness& each : all) {
     Vector3 along = Vector3::Zero();
     for (int k = 0; k < dim; ++k)
-      along[k] = stiffness.by_displacement[static_cast<std::size_t>(k) * static_cast<std::size_t>(dim) +
-                                           static_cast<std::size_t>(k)];
-    print_line("stiffness of " + one_line(stiffness.name) + ": " + vector_text(along, dim) + " N/m" +
-               (stiffness.by_rotation ? ", " + format_short(*stiffness.by_rotation) + " N m/rad" : ""));
+      along[k] = each.by_displacement[static_cast<std::size_t>(k) * static_cast<std::size_t>(dim) +
+                                      static_cast<std::size_t>(k)];
+    print_line("stiffness of " + one_line(each.name) + ": " + vector_text(along, dim) + " N/m" +
+               (each.by_rotation ? ", " + format_short(*each.by_rotation) + " N m/rad" : ""));
   }
 }
 

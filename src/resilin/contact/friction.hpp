@@ -26,10 +26,12 @@ namespace resilin {
 class Friction final : public StageTerm {
  public:
   /// @param speed    below which contacts stick [m/s]
-  /// @param factors  on the coefficients of each source; constant ones are 1
+  /// @param factors  on the coefficients of each source; constant ones are 1, as are all without any
   Friction(int dim, std::vector<std::shared_ptr<const FrictionSource>> sources, double speed,
-           std::vector<TimeFunction> factors)
-      : dim_(dim), sources_(std::move(sources)), speed_(speed), factors_(std::move(factors)) {}
+           std::vector<TimeFunction> factors = {})
+      : dim_(dim), sources_(std::move(sources)), speed_(speed), factors_(std::move(factors)) {
+    factors_.resize(sources_.size());
+  }
 
   std::string_view name() const override { return "friction"; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::friction}; }

@@ -205,7 +205,9 @@ std::vector<PressingForces> forces_by_source(const World& world, const State& st
     VectorX gradient = VectorX::Zero(state.positions.size());
     world.terms[t]->add_gradient(state.positions, conditions, gradient);
     if (gradient.isZero(0)) continue;
-    all.push_back({.patch = {.collider = std::string(world.terms[t]->name())}, .forces = -gradient});
+    PressingForces& pressing = all.emplace_back();
+    pressing.patch.collider = world.terms[t]->name();
+    pressing.forces = -gradient;
   }
   if (!world.contact) return all;
   const int dim = world.dimension;
@@ -227,9 +229,12 @@ std::vector<PressingForces> forces_by_source(const World& world, const State& st
       });
     }
   }
-  for (auto& [bodies, forces] : of_bodies)
-    all.push_back(
-        {.patch = {.collider = {}, .body = bodies[0], .other = bodies[1]}, .forces = std::move(forces)});
+  for (auto& [bodies, forces] : of_bodies) {
+    PressingForces& pressing = all.emplace_back();
+    pressing.patch.body = bodies[0];
+    pressing.patch.other = bodies[1];
+    pressing.forces = std::move(forces);
+  }
   return all;
 }
 
