@@ -190,5 +190,26 @@ TEST(Extremes, NameTheValueAndThePlace) {
   EXPECT_FALSE(extremes(world, state, values[2]));  // a tensor has no order
 }
 
+/// The farthest corner of a turned bar moves most, not a control node.
+TEST(Extremes, OfARigidBodyAreAmongItsVertices) {
+  Description scene = small_bar(2, true);
+  scene.fixes.clear();
+  scene.probes.clear();
+  scene.bodies[0].rigid = RigidDescription{.density = 1000};
+  const World world(scene);
+  State state;
+  state.positions = state.velocities = VectorX::Zero(world.rest_positions.size());
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    state.positions.segment<2>(2 * node) = -world.rest_positions.segment<2>(2 * node);
+  const std::vector<std::string> names = {"displacement", "von_mises"};
+  const std::vector<FieldValues> values = FieldEvaluator(world).evaluate(state, names);
+  const auto displacement = extremes(world, state, values[0]);
+  ASSERT_TRUE(displacement);
+  EXPECT_NEAR(displacement->max.value, 2 * std::hypot(1, 0.25), 1e-12);
+  EXPECT_LT((displacement->max.position - Vector3(-1, -0.25, 0)).norm(), 1e-12);
+  EXPECT_NEAR(displacement->min.value, 0, 1e-12);
+  EXPECT_FALSE(extremes(world, state, values[1]));  // its stress is no number
+}
+
 }  // namespace
 }  // namespace resilin::testing

@@ -59,13 +59,14 @@ std::optional<Extremes> extremes(const World& world, const State& state, const F
   if (field.kind == FieldInfo::Kind::tensor || field.is_direction()) return std::nullopt;
   const std::size_t count = values.values.size() / static_cast<std::size_t>(field.components());
   const std::vector<bool> meant = is_meant(world, field.is_on_nodes(), count);
-  std::optional<Extremes> found;
+  Extremes found;
+  bool is_found = false;
   const auto look_at = [&](const double* numbers, const auto& where) {
     const auto [low, high] = range_at(field, numbers);
     if (!std::isfinite(low) || !std::isfinite(high)) return;
-    if (!found) found = Extremes{where(low), where(high)};
-    if (low < found->min.value) found->min = where(low);
-    if (high > found->max.value) found->max = where(high);
+    if (!is_found || low < found.min.value) found.min = where(low);
+    if (!is_found || high > found.max.value) found.max = where(high);
+    is_found = true;
   };
   const auto width = static_cast<std::size_t>(field.components());
   for (std::size_t place = 0; place < count; ++place)
@@ -83,6 +84,7 @@ std::optional<Extremes> extremes(const World& world, const State& state, const F
         return Extreme{value, b, v, world.origin + points.at(world.dimension, v, state.positions)};
       });
   }
+  if (!is_found) return std::nullopt;
   return found;
 }
 
