@@ -27,7 +27,7 @@ def page(program):
     names = command_names(whole)
     if "run" not in names:
         raise ValueError(f"the help of {program.name}: expected a list of commands with `run`, got {names}")
-    parts = ["# Commands\n", "What `resilin --help` and `resilin COMMAND --help` print.\n", code_block(whole, "text")]
+    parts = ["# Commands\n", "Help texts of `resilin` and of each of its commands.\n", code_block(whole, "text")]
     for name in names:
         if text := help_of(program, name):
             parts += [f"## resilin {name}\n", code_block(text, "text")]
