@@ -7,14 +7,14 @@
 
 namespace resilin {
 
-/// Constraints of the constants: limits of c and z, and Drucker's condition at some states.
+/// Constraints of the constants: limits of c and v, and Drucker's condition at some states.
 struct FitLimits {
   std::vector<LoadedState> stable_states;  ///< empty: stability is not asked for
 };
 
 /// A point within the limits, and what holds it there.
 struct BoundedPoint : FitPoint {
-  /// Slopes of the limits that are reached, by (c, z): a row for each.
+  /// Slopes of the limits that are reached, by (c, v): a row for each.
   DenseMatrix reached;
   bool is_held_by_stability = false, is_held_by_range = false;
 };
@@ -22,9 +22,7 @@ struct BoundedPoint : FitPoint {
 /// Whether a point keeps to the limits.
 bool keeps_limits(const LawProblem& problem, const FitLimits& limits, const FitPoint& point);
 
-/// The smallest sum of squares within the limits, from `start`, which need not keep to them: steps of Gauss,
-/// Newton, Levenberg and Marquardt over the linearised limits, each an exact least-squares problem with
-/// linear inequalities (Lawson & Hanson 1974, ch. 23), and a merit function of the sum and what is violated.
+/// The smallest sum of squares within the limits, from `start`, which need not keep to them.
 ///
 /// False when no point within the limits was found.
 bool fit_within_limits(const LawProblem& problem, const FitLimits& limits, const FitPoint& start,

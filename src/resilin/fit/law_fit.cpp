@@ -61,10 +61,10 @@ std::vector<ConstantEstimate> estimates_of(const LawChoice& choice, const std::v
 void estimate_errors(const LawProblem& problem, const SearchResult& found, double sum, bool has_sigmas,
                      LawFit& fit) {
   const LawChoice& choice = problem.choice();
-  VectorX c, z;
-  problem.unknowns(found.constants, c, z);
+  VectorX c, v;
+  problem.unknowns(found.constants, c, v);
   DenseMatrix slopes;
-  if (!problem.slopes_by_constants(c, z, slopes)) return;
+  if (!problem.slopes_by_constants(c, v, slopes)) return;
   const int num_free = uncertainty_of(slopes, 1, found.reached).num_free;
   const int degrees = fit.num_points - num_free;
   double variance = degrees > 0 ? sum / degrees : std::numeric_limits<double>::infinity();

@@ -41,8 +41,6 @@ LawProblem::LawProblem(const LawChoice& choice, const PredictedValues& predicted
   };
   linear_lower_.resize(num_linear());
   linear_upper_.resize(num_linear());
-  lower_.resize(num_nonlinear());
-  upper_.resize(num_nonlinear());
   for (Eigen::Index i = 0; i < num_linear(); ++i) {
     limits(choice.linear[static_cast<std::size_t>(i)], linear_lower_[i], linear_upper_[i]);
     linear_lower_[i] += smallest_positive;  // a limit that is not to be reached is not
@@ -52,109 +50,115 @@ LawProblem::LawProblem(const LawChoice& choice, const PredictedValues& predicted
     const ConstantText& constant = choice.law->constants[static_cast<std::size_t>(place)];
     double lower = 0, upper = 0;
     limits(place, lower, upper);
-    is_logarithm_.push_back(must_be_positive(constant));
-    const double most = constant.unit.empty() ? largest_exponent : infinity;
-    lower_[i] = is_logarithm_.back() ? std::log(std::max(lower, smallest_positive)) : std::max(lower, -most);
-    upper_[i] = is_logarithm_.back() ? std::log(std::min(upper, largest_positive)) : std::min(upper, most);
+    const bool is_logarithm = must_be_positive(constant);
+    const double most = is_logarithm ? largest_positive : constant.unit.empty() ? largest_exponent : infinity;
+    transforms_.push_back(ParameterTransform::in_box(
+        is_logarithm, std::max(lower, is_logarithm ? smallest_positive : -most), std::min(upper, most)));
     double start = std::numeric_limits<double>::quiet_NaN();
     for (const ConstantSetting& setting : settings)
       if (is_about(setting, choice, place) && setting.start) start = *setting.start / unit_of(place);
-    start_.push_back(is_logarithm_.back() ? std::log(start) : start);
+    start_.push_back(start);
   }
+}
+
+std::vector<ParameterTransform> LawProblem::all_transforms() const {
+  std::vector<ParameterTransform> all;
+  for (Eigen::Index i = 0; i < num_linear(); ++i)
+    all.push_back(ParameterTransform::in_box(false, linear_lower_[i], linear_upper_[i]));
+  all.insert(all.end(), transforms_.begin(), transforms_.end());
+  return all;
 }
 
 double LawProblem::unit_of(int place) const {
   return choice_.law->constants[static_cast<std::size_t>(place)].unit.empty() ? 1 : stress_scale_;
 }
 
-std::vector<double> LawProblem::scaled_constants(const VectorX& c, const VectorX& z) const {
+std::vector<double> LawProblem::scaled_constants(const VectorX& c, const VectorX& v) const {
   std::vector<double> constants = choice_.constants;
   for (std::size_t p = 0; p < constants.size(); ++p) constants[p] /= unit_of(static_cast<int>(p));
   for (Eigen::Index i = 0; i < num_linear(); ++i)
     constants[static_cast<std::size_t>(choice_.linear[static_cast<std::size_t>(i)])] = c[i];
   for (Eigen::Index i = 0; i < num_nonlinear(); ++i)
-    constants[static_cast<std::size_t>(choice_.nonlinear[static_cast<std::size_t>(i)])] =
-        is_logarithm(i) ? std::exp(z[i]) : z[i];
+    constants[static_cast<std::size_t>(choice_.nonlinear[static_cast<std::size_t>(i)])] = v[i];
   return constants;
 }
 
-std::vector<double> LawProblem::constants(const VectorX& c, const VectorX& z) const {
-  std::vector<double> constants = scaled_constants(c, z);
+std::vector<double> LawProblem::constants(const VectorX& c, const VectorX& v) const {
+  std::vector<double> constants = scaled_constants(c, v);
   for (std::size_t p = 0; p < constants.size(); ++p) constants[p] *= unit_of(static_cast<int>(p));
   return constants;
 }
 
-void LawProblem::unknowns(const std::vector<double>& constants, VectorX& c, VectorX& z) const {
+void LawProblem::unknowns(const std::vector<double>& constants, VectorX& c, VectorX& v) const {
   const auto scaled = [&](int place) { return constants[static_cast<std::size_t>(place)] / unit_of(place); };
   c.resize(num_linear());
-  z.resize(num_nonlinear());
+  v.resize(num_nonlinear());
   for (Eigen::Index i = 0; i < num_linear(); ++i) c[i] = scaled(choice_.linear[static_cast<std::size_t>(i)]);
   for (Eigen::Index i = 0; i < num_nonlinear(); ++i) {
+    const ParameterTransform& transform = transforms_[static_cast<std::size_t>(i)];
     const double value = scaled(choice_.nonlinear[static_cast<std::size_t>(i)]);
-    z[i] = std::clamp(is_logarithm(i) ? std::log(value) : value, lower_[i], upper_[i]);
+    v[i] = std::isnan(transform.to(value)) ? transform.to(value)
+                                           : std::clamp(value, transform.least(), transform.most());
   }
 }
 
-double LawProblem::slope_of_transform(Eigen::Index i, const VectorX& z) const {
-  return is_logarithm(i) ? std::exp(z[i]) : 1;
-}
-
-bool LawProblem::linear_part(const VectorX& z, DenseMatrix& A, VectorX& y) const {
+bool LawProblem::linear_part(const VectorX& v, DenseMatrix& A, VectorX& y) const {
   VectorX rest;
-  const std::vector<double> constants = scaled_constants(VectorX::Zero(num_linear()), z);
+  const std::vector<double> constants = scaled_constants(VectorX::Zero(num_linear()), v);
   if (!predicted_.evaluate(constants, choice_.linear, &rest, &A)) return false;
   A = weights_.asDiagonal() * A;
   y = weights_.cwiseProduct(measured_ - rest);
   return true;
 }
 
-bool LawProblem::nonlinear_slopes(const VectorX& c, const VectorX& z, DenseMatrix& B) const {
-  if (!predicted_.evaluate(scaled_constants(c, z), choice_.nonlinear, nullptr, &B)) return false;
-  for (Eigen::Index i = 0; i < num_nonlinear(); ++i)
-    B.col(i) = slope_of_transform(i, z) * weights_.cwiseProduct(B.col(i));
+bool LawProblem::nonlinear_slopes(const VectorX& c, const VectorX& v, DenseMatrix& B) const {
+  if (!predicted_.evaluate(scaled_constants(c, v), choice_.nonlinear, nullptr, &B)) return false;
+  B = weights_.asDiagonal() * B;
   return true;
 }
 
-bool LawProblem::residuals(const VectorX& c, const VectorX& z, VectorX& r, DenseMatrix* slopes) const {
+bool LawProblem::residuals(const VectorX& c, const VectorX& v, VectorX* r, DenseMatrix* slopes) const {
   std::vector<int> places = choice_.linear;
   places.insert(places.end(), choice_.nonlinear.begin(), choice_.nonlinear.end());
-  if (!predicted_.evaluate(scaled_constants(c, z), places, &r, slopes)) return false;
-  r = weights_.cwiseProduct(r - measured_);
-  if (slopes == nullptr) return true;
-  for (Eigen::Index i = 0; i < num_linear() + num_nonlinear(); ++i) {
-    const double factor = i < num_linear() ? 1 : slope_of_transform(i - num_linear(), z);
-    slopes->col(i) = factor * weights_.cwiseProduct(slopes->col(i));
-  }
+  if (!predicted_.evaluate(scaled_constants(c, v), places, r, slopes)) return false;
+  if (r != nullptr) *r = weights_.cwiseProduct(*r - measured_);
+  if (slopes != nullptr) *slopes = weights_.asDiagonal() * *slopes;
   return true;
 }
 
-bool LawProblem::slopes_by_constants(const VectorX& c, const VectorX& z, DenseMatrix& slopes) const {
+bool LawProblem::slopes_by_constants(const VectorX& c, const VectorX& v, DenseMatrix& slopes) const {
   const std::vector<int> fitted = choice_.fitted();
-  if (!predicted_.evaluate(scaled_constants(c, z), fitted, nullptr, &slopes)) return false;
+  if (!predicted_.evaluate(scaled_constants(c, v), fitted, nullptr, &slopes)) return false;
   slopes = weights_.asDiagonal() * slopes;
   return true;
 }
 
 std::vector<VectorX> LawProblem::starts() const {
   std::vector<VectorX> all = {VectorX(num_nonlinear())};
+  const auto between = [](const ParameterTransform& transform, double part) {
+    return transform.from(transform.lower() + part * (transform.upper() - transform.lower()));
+  };
   for (Eigen::Index i = 0; i < num_nonlinear(); ++i) {
+    const ParameterTransform& transform = transforms_[static_cast<std::size_t>(i)];
     std::vector<double> values;
-    if (is_logarithm(i)) {
+    if (transform.is_logarithm()) {
       const double first = std::log(first_positive_start), last = std::log(last_positive_start);
       for (int k = 0; k < num_positive_starts; ++k)
-        values.push_back(first + (last - first) * k / (num_positive_starts - 1));
+        values.push_back(std::exp(first + (last - first) * k / (num_positive_starts - 1)));
     } else {
       values.assign(exponent_starts.begin(), exponent_starts.end());
     }
-    std::erase_if(values, [&](double value) { return !(value >= lower_[i] && value <= upper_[i]); });
+    std::erase_if(values,
+                  [&](double value) { return !(value >= transform.least() && value <= transform.most()); });
     if (values.empty())
-      for (const double part : {0.1, 0.5, 0.9}) values.push_back(lower_[i] + part * (upper_[i] - lower_[i]));
+      for (const double part : {0.1, 0.5, 0.9}) values.push_back(between(transform, part));
     std::vector<VectorX> next;
     for (const VectorX& start : all)
       for (const double value : values) {
         // Terms are exchangeable: each set of exponents once.
-        if (i > 0 && !is_logarithm(i) && !is_logarithm(i - 1) && values.size() > 3 && value <= start[i - 1])
-          continue;
+        const bool is_next_exponent = i > 0 && !transform.is_logarithm() &&
+                                      !transforms_[static_cast<std::size_t>(i - 1)].is_logarithm();
+        if (is_next_exponent && values.size() > 3 && value <= start[i - 1]) continue;
         next.push_back(start);
         next.back()[i] = value;
       }
@@ -162,10 +166,12 @@ std::vector<VectorX> LawProblem::starts() const {
   }
   VectorX given = Eigen::Map<const VectorX>(start_.data(), num_nonlinear());
   if (num_nonlinear() > 0 && !given.array().isNaN().all()) {
-    for (Eigen::Index i = 0; i < num_nonlinear(); ++i)
-      if (std::isnan(given[i]))
-        given[i] = all.empty() ? 0.5 * (lower_[i] + upper_[i]) : all[all.size() / 2][i];
-    all.insert(all.begin(), given.cwiseMax(lower_).cwiseMin(upper_));
+    for (Eigen::Index i = 0; i < num_nonlinear(); ++i) {
+      const ParameterTransform& transform = transforms_[static_cast<std::size_t>(i)];
+      if (std::isnan(given[i])) given[i] = all.empty() ? between(transform, 0.5) : all[all.size() / 2][i];
+      given[i] = std::clamp(given[i], transform.least(), transform.most());
+    }
+    all.insert(all.begin(), given);
   }
   return all;
 }

@@ -255,11 +255,12 @@ void tell_ambiguities(const LawChoice& choice, const std::vector<double>& consta
   const HomogeneousModel model(*choice.law, choice.is_compressible, data.states);
   const LawProblem problem(choice, model, data.measured, data.weights, data.stress_scale,
                            description.constants);
-  VectorX c, z;
-  problem.unknowns(constants, c, z);
-  for (Eigen::Index i = 0; i < z.size(); ++i) {
+  VectorX c, v;
+  problem.unknowns(constants, c, v);
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    const ParameterTransform& transform = problem.transforms()[static_cast<std::size_t>(i)];
     const auto place = static_cast<std::size_t>(choice.nonlinear[static_cast<std::size_t>(i)]);
-    if (z[i] > problem.lower()[i] && z[i] < problem.upper()[i]) continue;
+    if (transform.to(v[i]) > transform.lower() && transform.to(v[i]) < transform.upper()) continue;
     fit.warnings.push_back(std::string(choice.law->constants[place].name) + " = " +
                            format_short(constants[place]) +
                            " is at the end of its bounds: the tests do not determine it");

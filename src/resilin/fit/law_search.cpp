@@ -51,7 +51,7 @@ std::vector<double> plain_constants(const LawChoice& choice, double shear_modulu
 
 FitPoint point_at(const LawProblem& problem, const std::vector<double>& constants) {
   FitPoint point;
-  problem.unknowns(constants, point.c, point.z);
+  problem.unknowns(constants, point.c, point.v);
   point.sum = std::numeric_limits<double>::infinity();
   return point;
 }
@@ -79,7 +79,7 @@ std::vector<std::vector<double>> isochoric_constants(const LawChoice& choice, co
                            description.constants);
   std::vector<FitPoint> ends = fit_from_many_starts(problem);
   if (ends.size() > 2) ends.resize(2);
-  for (const FitPoint& end : ends) found.push_back(problem.constants(end.c, end.z));
+  for (const FitPoint& end : ends) found.push_back(problem.constants(end.c, end.v));
   return found;
 }
 
@@ -89,9 +89,9 @@ std::vector<VectorX> compressible_starts(const LawProblem& problem, const FitDat
   const LawChoice& choice = problem.choice();
   std::vector<VectorX> starts;
   const auto add = [&](const std::vector<double>& constants) {
-    VectorX c, z;
-    problem.unknowns(constants, c, z);
-    if (z.allFinite()) starts.push_back(z);
+    VectorX c, v;
+    problem.unknowns(constants, c, v);
+    if (v.allFinite()) starts.push_back(v);
   };
   const std::vector<std::vector<double>> limits = isochoric_constants(choice, data, description);
   for (const double poissons_ratio : poissons_ratios) {
@@ -129,7 +129,7 @@ std::optional<BoundedPoint> best_within_limits(const LawProblem& problem, const 
     if (keeps_limits(problem, limits, point)) {
       BoundedPoint kept;
       static_cast<FitPoint&>(kept) = point;
-      kept.reached.resize(0, point.c.size() + point.z.size());
+      kept.reached.resize(0, point.c.size() + point.v.size());
       consider(kept);
       break;  // they are sorted
     }
@@ -143,7 +143,7 @@ std::optional<BoundedPoint> best_within_limits(const LawProblem& problem, const 
   return best;
 }
 
-/// Rows by (c, z) as rows by the constants in units of the problem, in the order of the formula.
+/// Rows by (c, v) as rows by the constants in units of the problem, in the order of the formula.
 DenseMatrix by_constants(const LawProblem& problem, const BoundedPoint& point) {
   const LawChoice& choice = problem.choice();
   const std::vector<int> fitted = choice.fitted();
@@ -155,7 +155,7 @@ DenseMatrix by_constants(const LawProblem& problem, const BoundedPoint& point) {
     rows.col(column_of(choice.linear[static_cast<std::size_t>(i)])) = point.reached.col(i);
   for (Eigen::Index i = 0; i < problem.num_nonlinear(); ++i)
     rows.col(column_of(choice.nonlinear[static_cast<std::size_t>(i)])) =
-        point.reached.col(problem.num_linear() + i) / (problem.is_logarithm(i) ? std::exp(point.z[i]) : 1);
+        point.reached.col(problem.num_linear() + i);
   return rows;
 }
 
@@ -168,7 +168,7 @@ std::vector<std::vector<double>> rivals_of(const LawProblem& problem, const std:
   const double most = best.sum * std::exp(chi_square_95 / static_cast<double>(problem.num_rows()));
   std::vector<std::vector<double>> different;
   const auto sorted_constants = [&](const FitPoint& point) {
-    std::vector<double> constants = problem.constants(point.c, point.z);
+    std::vector<double> constants = problem.constants(point.c, point.v);
     sort_terms(choice, constants);
     return constants;
   };
@@ -211,7 +211,7 @@ SearchResult search_constants(const LawChoice& choice, const FitData& data,
   const FitPoint& best = free.front();
   if (keeps_limits(problem, limits, best)) {
     result.rivals = rivals_of(problem, free, choice);
-    result.constants = problem.constants(best.c, best.z);
+    result.constants = problem.constants(best.c, best.v);
     result.sum = best.sum;
     return result;
   }
@@ -219,12 +219,12 @@ SearchResult search_constants(const LawChoice& choice, const FitData& data,
   if (!bounded)
     throw InputError(description.place, "constants of " + choice.name + " that are stable over the data",
                      "none", "set stability = \"report\" to see the free ones, or take another law");
-  result.constants = problem.constants(bounded->c, bounded->z);
+  result.constants = problem.constants(bounded->c, bounded->v);
   result.sum = bounded->sum;
   result.reached = by_constants(problem, *bounded);
   result.is_held_by_stability = bounded->is_held_by_stability;
   result.is_held_by_range = bounded->is_held_by_range;
-  result.free_constants = problem.constants(best.c, best.z);
+  result.free_constants = problem.constants(best.c, best.v);
   result.free_sum = best.sum;
   return result;
 }

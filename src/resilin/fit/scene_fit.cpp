@@ -7,7 +7,6 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/fit/field_fit.hpp"
 #include "resilin/fit/scene_search.hpp"
 #include "resilin/fit/search_starts.hpp"
 #include "resilin/fit/uncertainty.hpp"
@@ -21,7 +20,7 @@ std::string sought_name(const SceneUnknown& unknown) {
 }
 
 /// Standard errors, intervals and correlations at the end of the search.
-void estimate_errors(const SceneModel& model, const SceneSearch& search, SceneFitReport& report) {
+void estimate_errors(const SceneModel& model, const LeastSquaresSearch& search, SceneFitReport& report) {
   const auto n = static_cast<Eigen::Index>(report.parameters.size());
   Eigen::Index num_held = 0;
   for (Eigen::Index i = 0; i < n; ++i) num_held += search.is_held(i) ? 1 : 0;
@@ -65,7 +64,7 @@ void estimate_errors(const SceneModel& model, const SceneSearch& search, SceneFi
       estimate.standard_error = estimate.half_width_95 = std::numeric_limits<double>::infinity();
     const bool is_log = model.unknowns()[k].is_positive;
     const double half = estimate.half_width_95, value = parameter.value;
-    parameter.standard_error = estimate.standard_error * search.unit(i);
+    parameter.standard_error = estimate.standard_error * search.transforms()[k].slope(search.z()[i]);
     parameter.lower_95 = is_log ? value * std::exp(-half) : value - half;
     parameter.upper_95 = is_log ? value * std::exp(half) : value + half;
     if (parameter.is_held)
@@ -118,28 +117,28 @@ bool is_better(const SearchEnd& one, const SearchEnd& other) {
 }
 
 /// The search from many starts that has come to the best end.
-template <class Search>
-std::unique_ptr<Search> search_from_many_starts(const SceneModel& model, const SceneFitOptions& options,
-                                                SceneFitReport& report) {
-  auto first = std::make_unique<Search>(model, report.description, options);
-  const std::vector<SceneUnknown> sought = first->sought();
+std::unique_ptr<SceneSearch> search_from_many_starts(const SceneModel& model, const SceneFitOptions& options,
+                                                     SceneFitReport& report) {
+  const std::vector<SceneUnknown> sought = SceneSearch(model, report.description, options).sought();
   for (const SceneUnknown& unknown : sought) report.sought.push_back(unknown.name);
-  std::unique_ptr<Search> best;
+  std::unique_ptr<SceneSearch> best;
   for (const VectorX& start : search_starts(sought, report.description.starts)) {
-    auto search = first ? std::move(first) : std::make_unique<Search>(model, report.description, options);
+    auto search = std::make_unique<SceneSearch>(model, report.description, options);
     SearchEnd end{.start = start, .found = start};
     try {
       search->run(start);
       end.found = search->sought_values();
-      end.sum_of_squares = search->residuals().squaredNorm();
-      end.roughness = search->roughness();
-      end.strength = search->strength();
-      end.is_converged = search->is_converged();
+      end.sum_of_squares = search->search().sum_of_squares();
+      if (const FieldTerm* fields = search->fields()) {
+        end.roughness = fields->roughness(search->search().z());
+        end.strength = fields->strength();
+      }
+      end.is_converged = search->search().is_converged();
     } catch (const InputError& error) {
       if (!best) throw;  // an error in the file
       end.problem = error.what();
     }
-    end.solves = search->solves();
+    end.solves = search->search().evaluations();
     report.solves += end.solves;
     if (end.problem.empty() && (!best || is_better(end, report.ends[report.best_end]))) {
       best = std::move(search);
@@ -147,7 +146,8 @@ std::unique_ptr<Search> search_from_many_starts(const SceneModel& model, const S
     }
     report.ends.push_back(std::move(end));
   }
-  for (SearchEnd& end : report.ends) end.objective = objective_at(end, best->strength());
+  const double strength = report.ends[report.best_end].strength;
+  for (SearchEnd& end : report.ends) end.objective = objective_at(end, strength);
   return best;
 }
 
@@ -166,28 +166,24 @@ SceneFitReport fit_scenes(SceneFitDescription description, const SceneFitOptions
   const SceneData& data = model.data();
   report.has_sigma = data.sigma.size() > 0;
   report.num_values = static_cast<int>(data.measured.size());
-  const auto take_end = [&](const auto& search) {
-    report.sum_of_squares = search.residuals().squaredNorm();
-    report.is_converged = search.is_converged();
-    report.why_not = search.why_not();
-    if (!report.is_converged)
-      report.estimates.warnings.push_back("the search has not converged: " + report.why_not);
-    list_parameters(model, search.values(), report);
-    for (std::string& other : model.other_elements(search.values()))
-      report.estimates.warnings.push_back(std::move(other));
-    judge_tables(model, search.solved().values, report);
-    for (std::size_t e = 0; e < report.description.experiments.size(); ++e)
-      report.scenes.push_back(model.description_with(e, search.values()));
-  };
-  if (model.has_fields()) {
-    const auto best = search_from_many_starts<FieldSearch>(model, noting, report);
-    take_end(*best);
-    best->tell_fields(report);
-    return report;
-  }
-  const auto best = search_from_many_starts<SceneSearch>(model, noting, report);
-  take_end(*best);
-  estimate_errors(model, *best, report);
+  const std::unique_ptr<SceneSearch> best = search_from_many_starts(model, noting, report);
+  const LeastSquaresSearch& search = best->search();
+  const VectorX values = search.values();
+  report.sum_of_squares = search.sum_of_squares();
+  report.is_converged = search.is_converged();
+  report.why_not = best->why_not();
+  if (!report.is_converged)
+    report.estimates.warnings.push_back("the search has not converged: " + report.why_not);
+  list_parameters(model, values, report);
+  for (std::string& other : model.other_elements(values))
+    report.estimates.warnings.push_back(std::move(other));
+  judge_tables(model, best->solved().values, report);
+  for (std::size_t e = 0; e < report.description.experiments.size(); ++e)
+    report.scenes.push_back(model.description_with(e, values));
+  if (best->fields() != nullptr)
+    tell_fields(model, *best, report);
+  else
+    estimate_errors(model, search, report);
   return report;
 }
 

@@ -2,199 +2,202 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/fit/separable_fit.hpp"
 
 namespace resilin {
 namespace {
 
-constexpr double longest_log_step = 2.302585092994046;  ///< a factor of 10
-constexpr double first_damping = 1e-6;  ///< suits a problem that is nearly linear: Gauss-Newton
-constexpr double damping_after_failure = 1e-3;
-constexpr double most_damping = 1e10;
-/// A step that lowers the sum by this part of a residual's variance moves the parameters by a
-/// ten-thousandth of their standard errors.
-constexpr double negligible_gain = 1e-8;
+/// A step that lowers the sum by this part of a residual's variance moves the parameters by a ten-thousandth
+/// of their standard errors, a field by a hundredth.
+constexpr double negligible_gain = 1e-8, negligible_gain_of_fields = 1e-4;
 /// Share of the measurements: a parameter by whose own size they change less is not felt.
 constexpr double least_influence = 1e-10;
 
+/// @throws InputError  for a start of a field on a bound
+ParameterTransform transform_of(const SceneUnknown& unknown, bool has_fields, const std::string& place) {
+  if (!has_fields) return ParameterTransform::in_box(unknown.is_positive, unknown.lower, unknown.upper);
+  const ParameterTransform transform =
+      ParameterTransform::within(unknown.is_positive, unknown.lower, unknown.upper);
+  if (!std::isfinite(transform.to(unknown.start)))
+    throw InputError(place + ".start", "a start between the bounds of a field", format_number(unknown.start),
+                     "fields are sought between their bounds and never reach them");
+  return transform;
+}
+
+std::vector<ParameterTransform> transforms_of(const SceneModel& model,
+                                              const SceneFitDescription& description) {
+  std::vector<ParameterTransform> all;
+  for (const SceneUnknown& unknown : model.unknowns())
+    all.push_back(transform_of(unknown, model.has_fields(), description.parameters[unknown.parameter].place));
+  return all;
+}
+
+VectorX starts_of(const SceneModel& model, const std::vector<ParameterTransform>& transforms) {
+  VectorX z(static_cast<Eigen::Index>(transforms.size()));
+  for (std::size_t i = 0; i < transforms.size(); ++i)
+    z[static_cast<Eigen::Index>(i)] = transforms[i].to(model.unknowns()[i].start);
+  return z;
+}
+
 }  // namespace
 
-SceneSearch::SceneSearch(const SceneModel& model, const SceneFitDescription& description,
-                         const SceneFitOptions& options)
+SceneResiduals::SceneResiduals(const SceneModel& model, const SceneFitDescription& description,
+                               const SceneFitOptions& options)
     : model_(model), description_(description), options_(options) {
-  const VectorX& sigma = model.data().sigma;
-  weights_ = sigma.size() > 0 ? VectorX(sigma.cwiseInverse()) : VectorX::Ones(model.data().measured.size());
+  const SceneData& data = model.data();
+  weights_ = data.sigma.size() > 0 ? VectorX(data.sigma.cwiseInverse()) : VectorX::Ones(data.measured.size());
 }
 
-void SceneSearch::run(const VectorX& start) {
-  start_ = z_ = start;
-  for (Eigen::Index i = 0; i < z_.size(); ++i) z_[i] = sought(i, start[i]);
-  damping_ = first_damping;
-  is_converged_ = false;
-  solve_first();
-  while (true) {
-    slopes_ = weights_.asDiagonal() * model_.slopes(solved_);
-    for (Eigen::Index i = 0; i < z_.size(); ++i) slopes_.col(i) *= unit(i);
-    if (solves_ == 1) refuse_what_is_not_felt();
-    if (!step()) return;
-  }
+bool SceneResiduals::evaluate(const VectorX& values, VectorX& r) {
+  there_ = model_.solve(values, options_.goes_on);
+  values_there_ = values;
+  r = weights_.cwiseProduct(there_.values - model_.data().measured);
+  return true;
 }
 
-double SceneSearch::unit(Eigen::Index i) const { return unknown(i).is_positive ? std::exp(z_[i]) : 1; }
-
-bool SceneSearch::is_held(Eigen::Index i) const {
-  const double g = slopes_.col(i).dot(r_);
-  return (z_[i] <= lower(i) && g > 0) || (z_[i] >= upper(i) && g < 0);
+void SceneResiduals::accept() {
+  here_ = std::move(there_);
+  values_here_ = values_there_;
 }
 
-double SceneSearch::sought(Eigen::Index i, double value) const {
-  return unknown(i).is_positive ? std::log(value) : value;
+bool SceneResiduals::linearise(DenseMatrix& slopes) {
+  slopes = weights_.asDiagonal() * model_.slopes(here_);
+  if (is_first_ && !model_.has_fields()) refuse_what_is_not_felt(slopes);
+  is_first_ = false;
+  return true;
 }
 
-VectorX SceneSearch::values_at(const VectorX& z) const {
-  VectorX values = z;
-  for (Eigen::Index i = 0; i < z.size(); ++i)
-    if (unknown(i).is_positive)
-      values[i] = std::clamp(std::exp(z[i]), unknown(i).lower, unknown(i).upper);  // bounds to the last bit
-  return values;
-}
-
-VectorX SceneSearch::weighted_residuals(const SceneModel::Solved& solved) const {
-  return weights_.cwiseProduct(solved.values - model_.data().measured);
-}
-
-void SceneSearch::tell(double sum, const VectorX& z, bool is_better, const std::string& problem) const {
-  if (!options_.on_solve) return;
-  SceneFitStep told{.solve = solves_,
-                    .names = {},
-                    .values = values_at(z),
-                    .sum_of_squares = sum,
-                    .is_better = is_better,
-                    .problem = problem};
-  for (const SceneUnknown& one : model_.unknowns()) told.names.push_back(one.name);
-  options_.on_solve(told);
-}
-
-void SceneSearch::solve_first() {
-  solved_ = model_.solve(values(), options_.goes_on);
-  solves_ = 1;
-  r_ = weighted_residuals(solved_);
-  tell(r_.squaredNorm(), z_, true, "");
-}
-
-void SceneSearch::refuse_what_is_not_felt() const {
+void SceneResiduals::refuse_what_is_not_felt(const DenseMatrix& slopes) const {
   const double size =
-      weights_.cwiseProduct(solved_.values).norm() + weights_.cwiseProduct(model_.data().measured).norm();
-  for (Eigen::Index i = 0; i < z_.size(); ++i) {
-    const double own_size = unknown(i).is_positive || z_[i] == 0 ? 1 : std::abs(z_[i]);
-    if (slopes_.col(i).norm() * own_size > least_influence * size) continue;
-    const SceneParameter& parameter = description_.parameters[unknown(i).parameter];
-    throw InputError(parameter.place, "a parameter that affects the measurements",
-                     "no effect of " + unknown(i).name + " on any of the " + std::to_string(r_.size()) +
+      weights_.cwiseProduct(here_.values).norm() + weights_.cwiseProduct(model_.data().measured).norm();
+  for (Eigen::Index i = 0; i < slopes.cols(); ++i) {
+    const double own_size = values_here_[i] == 0 ? 1 : std::abs(values_here_[i]);
+    if (slopes.col(i).norm() * own_size > least_influence * size) continue;
+    const SceneUnknown& unknown = model_.unknowns()[static_cast<std::size_t>(i)];
+    throw InputError(description_.parameters[unknown.parameter].place,
+                     "a parameter that affects the measurements",
+                     "no effect of " + unknown.name + " on any of the " + std::to_string(slopes.rows()) +
                          " measured numbers",
                      "leave it out, or measure where it acts; if all motion is prescribed, displacements do "
                      "not determine moduli, but a reaction does");
   }
 }
 
-/// The damped step over those that no bound holds; those that it would take over a bound go as far as that.
-VectorX SceneSearch::damped_step(double damping) const {
-  const Eigen::Index n = z_.size(), m = r_.size();
-  VectorX change = VectorX::Zero(n);
-  std::vector<bool> is_free(static_cast<std::size_t>(n), true);
-  for (Eigen::Index i = 0; i < n; ++i) is_free[static_cast<std::size_t>(i)] = !is_held(i);
-  for (Eigen::Index round = 0; round <= n; ++round) {
-    std::vector<Eigen::Index> free;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (is_free[static_cast<std::size_t>(i)]) free.push_back(i);
-    if (free.empty()) break;
-    const auto f = static_cast<Eigen::Index>(free.size());
-    DenseMatrix A = DenseMatrix::Zero(m + f, f);
-    VectorX b = VectorX::Zero(m + f);
-    b.head(m) = -r_;
-    for (Eigen::Index k = 0; k < n; ++k)
-      if (!is_free[static_cast<std::size_t>(k)]) b.head(m) -= slopes_.col(k) * change[k];
-    for (Eigen::Index k = 0; k < f; ++k) {
-      A.col(k).head(m) = slopes_.col(free[static_cast<std::size_t>(k)]);
-      A(m + k, k) = std::sqrt(damping) * A.col(k).head(m).norm();
-    }
-    const VectorX found = solve_linear(A, b).c;
-    bool is_within = true;
-    for (Eigen::Index k = 0; k < f; ++k) {
-      const Eigen::Index i = free[static_cast<std::size_t>(k)];
-      change[i] = found[k];
-      const double room = std::clamp(found[k], lower(i) - z_[i], upper(i) - z_[i]);
-      if (room == found[k]) continue;
-      change[i] = room;
-      is_free[static_cast<std::size_t>(i)] = is_within = false;
-    }
-    if (is_within) break;
+SceneSearch::SceneSearch(const SceneModel& model, const SceneFitDescription& description,
+                         const SceneFitOptions& options)
+    : model_(model),
+      description_(description),
+      transforms_(transforms_of(model, description)),
+      start_(starts_of(model, transforms_)),
+      residuals_(model, description, options),
+      fields_(model.has_fields() ? std::make_unique<FieldTerm>(model, description, start_) : nullptr),
+      search_(residuals_, transforms_, settings(options), nullptr, fields_.get()) {}
+
+SearchSettings SceneSearch::settings(const SceneFitOptions& options) {
+  SearchSettings settings{.tolerance = description_.tolerance, .most_evaluations = description_.max_solves};
+  if (options.on_solve) settings.on_trial = [&](const SearchTrial& trial) { tell(trial, options); };
+  if (fields_) {
+    // The step to the least sum of squares and prior, then a third of it.
+    settings.first_damping = settings.tolerance = 0;
+    settings.damping_after_failure = 2;
+    settings.negligible_gain = [this](double sum) {
+      return negligible_gain_of_fields * fields_->variance(sum);
+    };
+    return settings;
   }
-  double longest = 0;
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (unknown(i).is_positive) longest = std::max(longest, std::abs(change[i]));
-  return longest > longest_log_step ? VectorX(change * (longest_log_step / longest)) : change;
+  const SceneData& data = model_.data();
+  const auto left = std::max<Eigen::Index>(1, data.measured.size() - start_.size());
+  const bool has_sigma = data.sigma.size() > 0;
+  settings.negligible_gain = [=](double sum) {
+    return negligible_gain * (has_sigma ? 1 : sum / static_cast<double>(left));
+  };
+  return settings;
 }
 
-/// Size of a step relative to the parameters.
-double SceneSearch::relative_size(const VectorX& change) const {
-  double size = 0;
-  for (Eigen::Index i = 0; i < z_.size(); ++i) {
-    const double of = unknown(i).is_positive ? 1 : std::max(std::abs(z_[i]), std::abs(start_[i]));
-    if (change[i] != 0) size = std::max(size, of > 0 ? std::abs(change[i]) / of : 1);
+/// use(the unknowns): of a field all, of others each.
+template <class Use>
+void SceneSearch::for_each_sought(const Use& use) const {
+  for (const UnknownRange& range : model_.ranges()) {
+    UnknownRange part = range;
+    if (!range.is_field) part.count = 1;
+    for (; part.first < range.first + range.count; part.first += part.count) use(part);
   }
-  return size;
 }
 
-/// Goes on to a better place; false at the end of the search.
-bool SceneSearch::step() {
-  const double sum = r_.squaredNorm();
-  const auto left = std::max<Eigen::Index>(1, r_.size() - z_.size());
-  const double variance = model_.data().sigma.size() > 0 ? 1.0 : sum / static_cast<double>(left);
-  std::string problem;
-  VectorX tried;
-  for (; damping_ < most_damping; damping_ = std::max(damping_after_failure, 10 * damping_)) {
-    const VectorX change = damped_step(damping_);
-    const double gain = sum - (r_ + slopes_ * change).squaredNorm();
-    const bool is_small = relative_size(change) <= description_.tolerance;
-    if (is_small || gain <= negligible_gain * variance) {
-      // A step that much damping has made small says nothing about how near the end is.
-      is_converged_ = damping_ <= damping_after_failure || gain <= negligible_gain * variance;
-      if (!is_converged_)
-        why_not_ = "no step lowers the sum of squares" + (problem.empty() ? "" : ": " + problem);
-      return false;
-    }
-    if (tried.size() > 0 && tried == change) continue;  // bounds cut it to the same step
-    tried = change;
-    if (solves_ >= description_.max_solves) {
-      why_not_ =
-          std::to_string(solves_) + " solves were not enough: raise max_solves in [fit], or start nearer";
-      return false;
-    }
-    ++solves_;
-    const VectorX next = z_ + change;
-    try {
-      SceneModel::Solved there = model_.solve(values_at(next), options_.goes_on);
-      const VectorX r = weighted_residuals(there);
-      const bool is_better = r.squaredNorm() < sum;
-      tell(r.squaredNorm(), next, is_better, "");
-      if (!is_better) continue;
-      solved_ = std::move(there);
-      r_ = r;
-      z_ = next;
-      damping_ = std::max(1e-12, damping_ / 10);
-      return true;
-    } catch (const InputError& error) {  // no equilibrium there: a shorter step may have one
-      problem = error.what();
-      tell(std::numeric_limits<double>::infinity(), next, false, problem);
-    }
+std::vector<SceneUnknown> SceneSearch::sought() const {
+  std::vector<SceneUnknown> all;
+  for_each_sought([&](const UnknownRange& part) {
+    const auto first = static_cast<std::size_t>(part.first);
+    all.push_back(model_.unknowns()[first]);
+    const auto own = start_.segment(part.first, part.count);
+    if (own.minCoeff() < own.maxCoeff()) all.back().start = transforms_[first].from(own.mean());
+  });
+  return all;
+}
+
+VectorX SceneSearch::sought_values() const {
+  std::vector<double> all;
+  for_each_sought([&](const UnknownRange& part) {
+    const double middle = search_.z().segment(part.first, part.count).mean();
+    all.push_back(transforms_[static_cast<std::size_t>(part.first)].from(middle));
+  });
+  return Eigen::Map<const VectorX>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+void SceneSearch::run(const VectorX& start) {
+  const std::vector<SceneUnknown> first = sought();
+  VectorX z = start_;
+  Eigen::Index number = 0;
+  for_each_sought([&](const UnknownRange& part) {
+    const ParameterTransform& transform = transforms_[static_cast<std::size_t>(part.first)];
+    const double value = start[number], before = first[static_cast<std::size_t>(number)].start;
+    // A start where the file has it begins with its bits.
+    if (value != before)
+      z.segment(part.first, part.count).array() += transform.to(value) - transform.to(before);
+    ++number;
+  });
+  search_.run(z);
+}
+
+std::string SceneSearch::why_not() const {
+  switch (search_.ending()) {
+    case SearchEnding::converged:
+      break;
+    case SearchEnding::too_many_evaluations:
+      return std::to_string(search_.evaluations()) +
+             " solves were not enough: raise max_solves in [fit], or start nearer";
+    case SearchEnding::no_better_step:
+      return std::string("no step lowers the sum of squares") + (fields_ ? " and the prior" : "") +
+             (search_.problem().empty() ? "" : ": " + search_.problem());
   }
-  why_not_ = "no step lowers the sum of squares" + (problem.empty() ? "" : ": " + problem);
-  return false;
+  return "";
+}
+
+/// Each number, and the least and the most of a field.
+void SceneSearch::tell(const SearchTrial& trial, const SceneFitOptions& options) const {
+  SceneFitStep told{.solve = trial.number,
+                    .sum_of_squares = trial.sum_of_squares,
+                    .is_better = trial.is_better,
+                    .problem = trial.problem};
+  const VectorX values = search_.values_at(trial.z);
+  std::vector<double> shown;
+  for_each_sought([&](const UnknownRange& part) {
+    const std::string& name = model_.unknowns()[static_cast<std::size_t>(part.first)].name;
+    const auto own = values.segment(part.first, part.count);
+    told.names.push_back(part.is_field ? name + " least" : name);
+    shown.push_back(own.minCoeff());
+    if (!part.is_field) return;
+    told.names.push_back(name + " most");
+    shown.push_back(own.maxCoeff());
+  });
+  if (fields_) {
+    told.names.emplace_back("strength");
+    shown.push_back(fields_->strength());
+  }
+  told.values = Eigen::Map<const VectorX>(shown.data(), static_cast<Eigen::Index>(shown.size()));
+  options.on_solve(told);
 }
 
 }  // namespace resilin

@@ -1,68 +1,74 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "resilin/fit/field_fit.hpp"
+#include "resilin/fit/least_squares_search.hpp"
 #include "resilin/fit/scene_fit.hpp"
 
 namespace resilin {
 
-/// Levenberg's and Marquardt's search for the unknowns of scenes from one start, in logarithms of what is
-/// positive.
+/// Residuals of scenes, over the sigmas where there are any.
+class SceneResiduals : public Residuals {
+ public:
+  /// All kept by reference.
+  SceneResiduals(const SceneModel& model, const SceneFitDescription& description,
+                 const SceneFitOptions& options);
+
+  bool evaluate(const VectorX& values, VectorX& r) override;
+  void accept() override;
+  /// @throws InputError  for a parameter of its own that no datum feels, the first time
+  bool linearise(DenseMatrix& slopes) override;
+  const SceneModel::Solved& solved() const { return here_; }
+
+ private:
+  void refuse_what_is_not_felt(const DenseMatrix& slopes) const;
+
+  const SceneModel& model_;
+  const SceneFitDescription& description_;
+  const SceneFitOptions& options_;
+  VectorX weights_, values_here_, values_there_;
+  SceneModel::Solved here_, there_;
+  bool is_first_ = true;
+};
+
+/// The search for the unknowns of scenes from one start: in logarithms of what is positive. With fields all
+/// that has two bounds stays between them without reaching one.
 class SceneSearch {
  public:
   /// All kept by reference.
   SceneSearch(const SceneModel& model, const SceneFitDescription& description,
               const SceneFitOptions& options);
 
-  /// @param start  of the unknowns
+  /// Numbers of a start: the parameters that are no cells, and for a field its middle, the mean of z. A field
+  /// starts as the file has it, moved as a whole: its constant is what a smooth prior does not feel, and
+  /// local minima are those of how stiff a body is.
+  std::vector<SceneUnknown> sought() const;
+  VectorX sought_values() const;  ///< where the search has ended
+
+  /// @param start  of these
   void run(const VectorX& start);
 
-  /// Unknowns of the search, in order; each start has a number for every one, and so has the end.
-  const std::vector<SceneUnknown>& sought() const { return model_.unknowns(); }
-  VectorX sought_values() const { return values(); }
-  // There is no prior here.
-  static double roughness() { return 0; }
-  static double strength() { return 0; }
-
-  VectorX values() const { return values_at(z_); }
-  const SceneModel::Solved& solved() const { return solved_; }
-  const VectorX& residuals() const { return r_; }
-  const DenseMatrix& slopes() const {
-    return slopes_;
-  }  ///< derivatives of weighted residuals by the unknowns
-  /// Unit of an unknown by what is sought.
-  double unit(Eigen::Index i) const;
-  int solves() const { return solves_; }
-  bool is_converged() const { return is_converged_; }
-  const std::string& why_not() const { return why_not_; }
-  /// Held by a bound against which the sum falls.
-  bool is_held(Eigen::Index i) const;
+  const LeastSquaresSearch& search() const { return search_; }
+  const SceneModel::Solved& solved() const { return residuals_.solved(); }
+  const FieldTerm* fields() const { return fields_.get(); }  ///< null without fields
+  std::string why_not() const;                               ///< converged
 
  private:
-  const SceneUnknown& unknown(Eigen::Index i) const { return model_.unknowns()[static_cast<std::size_t>(i)]; }
-  double sought(Eigen::Index i, double value) const;
-  double lower(Eigen::Index i) const { return sought(i, unknown(i).lower); }
-  double upper(Eigen::Index i) const { return sought(i, unknown(i).upper); }
-  VectorX values_at(const VectorX& z) const;
-  VectorX weighted_residuals(const SceneModel::Solved& solved) const;
-  void tell(double sum, const VectorX& z, bool is_better, const std::string& problem) const;
-  void solve_first();
-  void refuse_what_is_not_felt() const;
-  VectorX damped_step(double damping) const;
-  double relative_size(const VectorX& change) const;
-  bool step();
+  SearchSettings settings(const SceneFitOptions& options);
+  void tell(const SearchTrial& trial, const SceneFitOptions& options) const;
+  template <class Use>
+  void for_each_sought(const Use& use) const;
 
   const SceneModel& model_;
   const SceneFitDescription& description_;
-  const SceneFitOptions& options_;
-  VectorX start_, z_, r_, weights_;
-  DenseMatrix slopes_;
-  SceneModel::Solved solved_;
-  double damping_ = 0;
-  int solves_ = 0;
-  bool is_converged_ = false;
-  std::string why_not_;
+  std::vector<ParameterTransform> transforms_;
+  VectorX start_;  ///< z of the file
+  SceneResiduals residuals_;
+  std::unique_ptr<FieldTerm> fields_;
+  LeastSquaresSearch search_;
 };
 
 }  // namespace resilin

@@ -1,17 +1,22 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "resilin/fit/law_problem.hpp"
+#include "resilin/fit/least_squares_search.hpp"
 
 namespace resilin {
 
+/// Residuals of laws are far from linear in exponents, and cost little.
+inline SearchSettings law_search_settings() {
+  return {.first_damping = 1e-3, .longest_step = std::numeric_limits<double>::infinity()};
+}
+
 /// Result of a search for the smallest sum of squares.
 struct FitPoint {
-  VectorX c, z;
+  VectorX c, v;
   double sum = 0;  ///< |r|^2 in units of the problem
-  int iterations = 0;
-  bool is_converged = false;
 };
 
 /// The c that makes |A c - y| smallest, by QR with column pivoting. Where A does not determine c, the columns
@@ -23,9 +28,8 @@ struct LinearSolution {
 };
 LinearSolution solve_linear(const DenseMatrix& A, const VectorX& y);
 
-/// Variable projection: c is eliminated by a linear solve, and Levenberg-Marquardt goes on in z alone, with
-/// the part of dr/dz that no c can make up for (Kaufman 1975). Without z a single solve. c has no limits
-/// here.
+/// Variable projection: c is eliminated by a linear solve, and the search goes on in v alone, with the part
+/// of dr/dv that no c can make up for (Kaufman 1975). Without v a single solve. c has no limits here.
 ///
 /// False when the law says nothing at `start`.
 bool fit_separably(const LawProblem& problem, const VectorX& start, FitPoint& point);
