@@ -293,5 +293,24 @@ TEST(ContactNodes, OfASecondOrderLineAreThoseOfSimpsonsRule) {
   EXPECT_NEAR(nodes[2].stiffness, 4, 1e-14);
 }
 
+/// As a pressure would share: the integrals of N_a 2 pi r; of second order those of N_a^2 in proportion.
+TEST(ContactNodes, OfATurnedLineAreThoseOfTheFullTurn) {
+  const double pi = std::acos(-1.0);
+  VectorX X(6);
+  X << 0, 0, 6, 0, 3, 0;
+  const Depth turned{.is_turned = true};
+  const std::vector<ContactNode> linear = contact_nodes(2, {CellKind::line, {0, 1}}, X, 1, turned);
+  ASSERT_EQ(linear.size(), 2U);
+  EXPECT_NEAR(linear[0].stiffness, 12 * pi, 1e-12);
+  EXPECT_NEAR(linear[1].stiffness, 24 * pi, 1e-12);
+  const std::vector<ContactNode> nodes = contact_nodes(2, {CellKind::line3, {0, 1, 2}}, X, 1, turned);
+  ASSERT_EQ(nodes.size(), 3U);
+  EXPECT_NEAR(nodes[0].stiffness, 1.5 * pi, 1e-12);
+  EXPECT_NEAR(nodes[1].stiffness, 10.5 * pi, 1e-12);
+  EXPECT_NEAR(nodes[2].stiffness, 24 * pi, 1e-12);
+  X << 0, 0, 0, 6, 0, 3;
+  EXPECT_TRUE(contact_nodes(2, {CellKind::line3, {0, 1, 2}}, X, 1, turned).empty());
+}
+
 }  // namespace
 }  // namespace resilin

@@ -66,5 +66,23 @@ TEST(FacingAreas, OfASmoothSurfaceAreAllOfIt) {
   EXPECT_GT(seen, 0.998 * whole);
 }
 
+/// A half section in r and z has areas of the full turn; lines on the axis are no surface.
+TEST(FacingAreas, OfATurnedBodyAreThoseOfTheFullTurn) {
+  const Mesh mesh = make_rectangle({2, 1}, {4, 4});
+  VectorX positions(2 * static_cast<Eigen::Index>(mesh.vertices.size()));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    positions.segment<2>(2 * static_cast<Eigen::Index>(v)) = mesh.vertices[v].head<2>();
+  const ContactBody body{boundary(*mesh.find_solid(2)).facets, 1e5};
+  const ContactSurface surface =
+      make_contact_surface(2, std::span(&body, 1), positions, {}, {.is_turned = true});
+  EXPECT_EQ(surface.parts.edges.size() / 2, 12U);  // four of sixteen are on the axis
+  EXPECT_EQ(surface.parts.num_vertices(), 13U);
+  const VectorX places = surface.places(positions);
+  double top = 0;
+  for (Eigen::Index v = 0; v < 13; ++v)
+    if (places[2 * v + 1] == 1) top += surface.point_areas[static_cast<std::size_t>(v)];
+  EXPECT_NEAR(top, 4 * std::acos(-1.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace resilin

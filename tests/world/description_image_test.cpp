@@ -119,6 +119,7 @@ class Dice {
     d.title = text();
     d.is_dynamic = coin();
     d.dimension = 2 + whole(2);
+    d.thickness = number();
     d.gravity = vector();
     d.time_step = number();
     d.adaptive = maybe([this] { return AdaptiveSteps{number(), number(), std::nullopt}; });

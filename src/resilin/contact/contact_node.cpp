@@ -8,20 +8,22 @@
 namespace resilin {
 
 std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const VectorX& rest_positions,
-                                       double stiffness) {
+                                       double stiffness, const Depth& depth) {
+  // By one point, N_a and its square share linear lines alike.
+  const auto share = [&](double N) { return facets.kind == CellKind::line ? N : N * N; };
   std::map<Index, std::vector<FacetShare>> shares;
   for (Index facet = 0; facet < facets.num_cells(); ++facet) {
     const std::span<const Index> nodes = facets.cell(facet);
     std::array<double, 6> squares{};
     Vector3 whole = Vector3::Zero();
     double area = 0, sum = 0;
-    for (const FacetPoint& point : facet_points(facets.kind)) {
+    for (const FacetPoint& point : facet_points(facets.kind, depth)) {
       const Vector3 vector = point.weight * area_vector(dim, point, nodes, rest_positions);
-      const double weight = vector.norm();
+      const double weight = depth_at(dim, point, nodes, rest_positions, depth) * vector.norm();
       whole += vector;
       area += weight;
       for (std::size_t a = 0; a < nodes.size(); ++a) {
-        const double square = weight * point.values[a] * point.values[a];
+        const double square = weight * share(point.values[a]);
         squares[a] += square;
         sum += square;
       }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "resilin/contact/carried_points.hpp"
-#include "resilin/mesh/facet.hpp"
+#include "resilin/mesh/depth.hpp"
 
 namespace resilin {
 
@@ -40,8 +40,10 @@ struct ContactPoints {
 /// triangle, which nothing would keep out then. For flat linear facets and lines the two are the same.
 /// Of facets that look in different directions a node has as much as one of them sees of all: on a sharp
 /// edge, the share of one face, since what it rests on meets but one.
+/// In axisymmetric solids linear lines are shared by the integral of N_a 2 pi r, as a pressure is; lines on
+/// the axis have no area.
 /// @param stiffness  kappa [Pa]
 std::vector<ContactNode> contact_nodes(int dim, const CellBlock& facets, const VectorX& rest_positions,
-                                       double stiffness);
+                                       double stiffness, const Depth& depth = {});
 
 }  // namespace resilin

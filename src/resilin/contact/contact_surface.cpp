@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "resilin/contact/facing_area.hpp"
 #include "resilin/mesh/facet.hpp"
@@ -41,10 +43,15 @@ std::span<const Index> flat_parts(CellKind kind) {
 /// One body's flat parts, by its own vertices.
 class FlatBody {
  public:
-  FlatBody(ContactSurface& surface, const ContactBody& body)
+  FlatBody(ContactSurface& surface, const ContactBody& body, const VectorX& rest_positions,
+           const Depth& depth)
       : surface_(surface), carrier_(body.carrier.get()) {
+    const auto is_on_axis = [&](Index node) {
+      return depth.is_on_axis(rest_positions[Eigen::Index{node} * surface.parts.dim]);
+    };
     for (Index facet = 0; facet < body.facets.num_cells(); ++facet) {
       const std::span<const Index> nodes = body.facets.cell(facet);
+      if (depth.is_turned && std::ranges::all_of(nodes, is_on_axis)) continue;
       const std::span<const Index> parts = flat_parts(body.facets.kind);
       Index middle = -1;
       for (const Index corner : parts) {
@@ -137,13 +144,14 @@ class Shares {
     for (const Index end : ends.first(ends[0] == ends[1] ? 1 : 2))
       surface_.point_counts[static_cast<std::size_t>(end)] -= surface_.edge_counts[edge];
   }
+  /// Where radii are known, of lengths.
   void find_means() {
     std::vector<double> counts(surface_.stiffness.size(), 0);
     surface_.mean_point_areas.assign(counts.size(), 0);
     for (std::size_t v = 0; v < surface_.point_areas.size(); ++v) {
       const std::size_t body = at(surface_.parts.bodies[v]);
       surface_.mean_point_areas[body] += surface_.point_areas[v];
-      ++counts[body];
+      counts[body] += surface_.radii.empty() ? 1 : 2 * std::numbers::pi * surface_.radii[v];
     }
     for (std::size_t body = 0; body < counts.size(); ++body)
       if (counts[body] > 0) surface_.mean_point_areas[body] /= counts[body];
@@ -168,6 +176,13 @@ VectorX ContactSurface::places(const VectorX& x, const Conditions& c) const {
     next += parts.dim;
   }
   return y;
+}
+
+double ContactSurface::mean_area_beside(Index vertex, Index body) const {
+  const double mean = mean_point_areas[at(body)];
+  if (radii.empty()) return mean;
+  // Beside the axis that of a point there.
+  return mean * 2 * std::numbers::pi * std::max(radii[at(vertex)], mean / 3);
 }
 
 VectorX ContactSurface::displacements(const VectorX& x) const { return vertices.places(parts.dim, x); }
@@ -219,7 +234,8 @@ void leave_held_out(ContactSurface& surface, std::span<const std::uint8_t> is_he
 }
 
 ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies,
-                                    const VectorX& rest_positions, std::optional<ContactObstacle> obstacle) {
+                                    const VectorX& rest_positions, std::optional<ContactObstacle> obstacle,
+                                    const Depth& depth) {
   ContactSurface surface;
   surface.parts.dim = dim;
   std::vector<Index> first_edges;
@@ -231,7 +247,7 @@ ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies
     surface.stiffness.push_back(stiffness);
   };
   for (const ContactBody& body : bodies) {
-    const FlatBody flat(surface, body);
+    const FlatBody flat(surface, body, rest_positions, depth);
     add(flat.num_vertices(), flat.corners(), body.stiffness);
   }
   if (obstacle) {
@@ -249,7 +265,9 @@ ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies
   surface.edge_lengths.assign(num_edges, 0);
   surface.edge_counts.assign(num_edges, 1);
   const VectorX rest_places = surface.places(rest_positions);
-  surface.point_areas = facing_areas(surface.parts, rest_places);
+  surface.point_areas = facing_areas(surface.parts, rest_places, depth);
+  for (std::size_t v = 0; depth.is_turned && v < num_vertices; ++v)
+    surface.radii.push_back(std::abs(rest_places[2 * static_cast<Eigen::Index>(v)]));
   Shares shares(surface, rest_places);
   for (std::size_t body = 0; body + 1 < first_triangles.size(); ++body)
     for (std::size_t t = first_triangles[body]; t < first_triangles[body + 1]; ++t)
@@ -257,6 +275,7 @@ ContactSurface make_contact_surface(int dim, std::span<const ContactBody> bodies
   for (std::size_t edge = 0; edge < num_edges; ++edge) shares.add_edge(edge);
   shares.find_means();
   surface.sharpness = sharpness_of(surface.parts, surface.triangle_edges, rest_places);
+  if (depth.is_turned) turn_tips(surface.parts, rest_places, depth, surface.sharpness);
   return surface;
 }
 

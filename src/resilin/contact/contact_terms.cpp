@@ -102,8 +102,7 @@ class TermList {
     const double own = surface_.point_areas[point];
     if (surface_.is_obstacle(q)) return own;
     if (!surface_.is_obstacle(p)) return share_of_points * own;
-    const auto body = static_cast<std::size_t>(surface_.parts.bodies[static_cast<std::size_t>(q)]);
-    const double mean = surface_.mean_point_areas[body];
+    const double mean = surface_.mean_area_beside(p, surface_.parts.bodies[static_cast<std::size_t>(q)]);
     return share_of_flat_points * std::min(own, mean) + surface_.sharpness.points[point] * mean;
   }
   double bearing_area_of_edges(std::size_t a, std::size_t b,

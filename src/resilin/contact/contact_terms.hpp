@@ -21,7 +21,7 @@ namespace resilin {
 struct ContactTerm {
   PairKind kind;
   std::array<Index, most_pair_vertices> vertices;  ///< vertices of the surface, those of the first part first
-  double stiffness;                                ///< [Pa m^2], in 2D [Pa m] on unit thickness
+  double stiffness;                                ///< [Pa m^2]
   double mollifier_threshold;  ///< threshold of EdgeMollifier [m^4]; 0 for pairs that have none
   double activation_distance;  ///< [m]
   double radius = 0;  ///< radius of the ball around the first vertex, from which the distance counts [m]

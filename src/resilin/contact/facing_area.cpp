@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "resilin/mesh/facet.hpp"
 
@@ -17,7 +18,7 @@ double facing_area(std::span<const FacetShare> shares) {
   return most;
 }
 
-std::vector<double> facing_areas(const CollisionSurface& parts, const VectorX& places) {
+std::vector<double> facing_areas(const CollisionSurface& parts, const VectorX& places, const Depth& depth) {
   const auto at = [](Index i) { return static_cast<std::size_t>(i); };
   const auto way = [&](Index from, Index to) {
     return Vector3(node_position(parts.dim, to, places) - node_position(parts.dim, from, places));
@@ -39,7 +40,11 @@ std::vector<double> facing_areas(const CollisionSurface& parts, const VectorX& p
       // from.
       std::vector<FacetShare>& of_vertex = shares[at(parts.edges[k + end])];
       const double side = of_vertex.size() == 1 ? -1 : 1;
-      of_vertex.push_back({side / length * Vector3(-out.y(), out.x(), 0), length / 2});
+      // The integral of N_a times the depth, which is linear along the edge.
+      const double own = depth.at(std::abs(places[2 * Eigen::Index{parts.edges[k + end]}])),
+                   other = depth.at(std::abs(places[2 * Eigen::Index{parts.edges[k + 1 - end]}]));
+      of_vertex.push_back(
+          {side / length * Vector3(-out.y(), out.x(), 0), length / 2 * ((2 * own + other) / 3)});
     }
   std::vector<double> areas;
   for (const std::vector<FacetShare>& of_vertex : shares) areas.push_back(facing_area(of_vertex));

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "resilin/mesh/facet.hpp"
@@ -87,6 +88,21 @@ Sharpness sharpness_of(const CollisionSurface& parts, std::span<const Index> tri
   for (std::size_t v = 0; v < corners.size(); ++v)
     sharpness.points[v] = without_round_off(corners[v].share());
   return sharpness;
+}
+
+void turn_tips(const CollisionSurface& parts, const VectorX& places, const Depth& depth,
+               Sharpness& sharpness) {
+  std::map<Index, Fan> tips;
+  for (std::size_t k = 0; k < parts.edges.size(); ++k) {
+    const Index tip = parts.edges[k], other = parts.edges[k % 2 == 0 ? k + 1 : k - 1];
+    const Vector3 at = node_position(2, tip, places), end = node_position(2, other, places);
+    if (!depth.is_on_axis(std::abs(at.x())) || depth.is_on_axis(std::abs(end.x()))) continue;
+    const Vector3 way = end - at;
+    tips[tip].add(way);
+    tips[tip].add({-way.x(), way.y(), 0});
+  }
+  for (const auto& [tip, fan] : tips)
+    if (fan.count == 2) sharpness.points[static_cast<std::size_t>(tip)] = without_round_off(fan.share());
 }
 
 }  // namespace resilin

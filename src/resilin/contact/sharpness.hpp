@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "resilin/collision/surface.hpp"
+#include "resilin/mesh/depth.hpp"
 
 namespace resilin {
 
@@ -23,5 +24,10 @@ struct Sharpness {
 /// @param places          of the vertices, dim numbers each [m]
 Sharpness sharpness_of(const CollisionSurface& parts, std::span<const Index> triangle_edges,
                        const VectorX& places);
+
+/// In axisymmetric solids a line that ends on the axis goes on on the other side: gives its end the sharpness
+/// of both.
+void turn_tips(const CollisionSurface& parts, const VectorX& places, const Depth& depth,
+               Sharpness& sharpness);
 
 }  // namespace resilin

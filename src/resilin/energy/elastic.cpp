@@ -35,18 +35,25 @@ static_assert(
     all_have_kernels(Elements{}),
     "an element's number of nodes belongs into kernels/node_counts.hpp; linear simplices have one point");
 
+ElementBlocks with_thickness(ElementBlocks blocks, double thickness) {
+  for (double& weight : blocks.weights) weight *= thickness;
+  return blocks;
+}
+
 }  // namespace
 
 ElasticEnergy::ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
                              const VectorX& rest_positions, const LawInfo& law,
                              std::span<const double> constants, const FibreDirections& fibres,
-                             InstructionSet instruction_set, ElasticTiles::Gradients gradients)
+                             InstructionSet instruction_set, ElasticTiles::Gradients gradients,
+                             double thickness)
     : element_(&require_element(choice.element, dim, "element")),
       rule_(&element_->quadrature(choice.quadrature, "quadrature")),
       instruction_set_(instruction_set),
-      tiles_(make_element_blocks(*element_, *rule_, cells, rest_positions), law, element_->has_mean_volume,
-             instruction_set, gradients),
+      tiles_(with_thickness(make_element_blocks(*element_, *rule_, cells, rest_positions), thickness), law,
+             element_->has_mean_volume, instruction_set, gradients),
       num_world_unknowns_(rest_positions.size()),
+      thickness_(thickness),
       all_blocks_(tiles_.blocks.num_blocks) {
   if (element_->has_mean_volume && !law.has_volume_energy)
     throw InputError("element", "a law with a separate volumetric energy for " + std::string(element_->name),

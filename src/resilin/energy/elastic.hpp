@@ -42,12 +42,13 @@ class ElasticEnergy final : public BasicEnergy {
   /// @param rest_positions  of all nodes of the world, dim each [m]
   /// @param constants       of the law's formula, in its order: once, or for one cell after another
   /// @param fibres          for a law with fibres; one family or two
+  /// @param thickness       in 2D: that of a volume [m]
   /// @throws InputError     when a cell has no positive volume, or the fibres do not suit the law
   ElasticEnergy(int dim, const ElementChoice& choice, std::span<const Index> cells,
                 const VectorX& rest_positions, const LawInfo& law, std::span<const double> constants,
                 const FibreDirections& fibres = {},
                 InstructionSet instruction_set = preferred_instruction_set(),
-                ElasticTiles::Gradients gradients = ElasticTiles::Gradients::held);
+                ElasticTiles::Gradients gradients = ElasticTiles::Gradients::held, double thickness = 1);
 
   /// A copy whose constants are these times `factors`, one for each constant of the law.
   ElasticEnergy with_scaled_constants(std::span<const double> factors) const;
@@ -107,6 +108,7 @@ class ElasticEnergy final : public BasicEnergy {
   VolumeRatio min_volume_ratio(const VectorX& x) const;
 
   Index num_cells() const { return tiles_.blocks.num_cells; }
+  double thickness() const { return thickness_; }
   const ElementInfo& element() const { return *element_; }
   const QuadratureRule& quadrature() const { return *rule_; }
   Index num_points() const {
@@ -117,7 +119,7 @@ class ElasticEnergy final : public BasicEnergy {
   double total_rest_volume() const;
   Material material(Index cell) const;
 
-  /// By cell, in the order in which the cells were given [m^3], in 2D [m^2] on unit thickness.
+  /// By cell, in the order in which the cells were given [m^3].
   std::vector<double> rest_volumes() const;
 
   // By quadrature point: those of a cell at [num_points() * cell + point], in the order of `quadrature()`.
@@ -197,6 +199,7 @@ class ElasticEnergy final : public BasicEnergy {
   InstructionSet instruction_set_;
   ElasticTiles tiles_;
   Eigen::Index num_world_unknowns_;
+  double thickness_;
   bool bounds_everywhere_ = false;   ///< see max_step
   std::size_t num_families_ = 0;     ///< number of families of fibres
   std::vector<Index> all_blocks_;    ///< 0, 1, 2, ...

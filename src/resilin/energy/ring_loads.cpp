@@ -4,41 +4,24 @@
 #include <cmath>
 #include <numbers>
 
+#include "resilin/mesh/depth.hpp"
+
 namespace resilin {
 namespace {
 
-/// A point of a boundary line: weight on [0, 1], N_a and dN_a/dxi.
-struct LinePoint {
-  double weight;
-  std::array<double, 3> N, dN;
-};
-
-/// Gauss points that integrate N_a r dr/dxi exactly on quadratic lines (degree 5).
-std::array<LinePoint, 3> line_points(CellKind kind) {
-  const double offset = 0.5 * std::sqrt(0.6);
-  std::array<LinePoint, 3> points{};
-  for (std::size_t q = 0; q < 3; ++q) {
-    const double xi = 0.5 + (static_cast<double>(q) - 1) * offset, weight = q == 1 ? 4.0 / 9 : 2.5 / 9;
-    if (kind == CellKind::line)
-      points[q] = {weight, {1 - xi, xi, 0}, {-1, 1, 0}};
-    else
-      points[q] = {weight,
-                   {(1 - xi) * (1 - 2 * xi), xi * (2 * xi - 1), 4 * xi * (1 - xi)},
-                   {4 * xi - 3, 4 * xi - 1, 4 - 8 * xi}};
-  }
-  return points;
-}
+/// Points that integrate N_a r dr/dxi exactly.
+const std::vector<FacetPoint>& line_points(CellKind kind) { return facet_points(kind, {.is_turned = true}); }
 
 /// Position and tangent dx/dxi at a point of a line.
 struct LineState {
   double r = 0, z = 0, dr = 0, dz = 0;
-  LineState(const LinePoint& point, std::span<const Index> nodes, const VectorX& x) {
+  LineState(const FacetPoint& point, std::span<const Index> nodes, const VectorX& x) {
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       const double ra = x[2 * Eigen::Index{nodes[a]}], za = x[2 * Eigen::Index{nodes[a]} + 1];
-      r += point.N[a] * ra;
-      z += point.N[a] * za;
-      dr += point.dN[a] * ra;
-      dz += point.dN[a] * za;
+      r += point.values[a] * ra;
+      z += point.values[a] * za;
+      dr += point.slopes[2 * a] * ra;
+      dz += point.slopes[2 * a] * za;
     }
   }
   /// 2 pi r n ds/dxi, n outward.
@@ -48,9 +31,9 @@ struct LineState {
 /// Calls `body(nodes, point)` for the points of all lines.
 template <class Body>
 void for_each_line_point(const CellBlock& facets, const Body& body) {
-  const auto points = line_points(facets.kind);
+  const std::vector<FacetPoint>& points = line_points(facets.kind);
   for (Index facet = 0; facet < facets.num_cells(); ++facet)
-    for (const LinePoint& point : points) body(facets.cell(facet), point);
+    for (const FacetPoint& point : points) body(facets.cell(facet), point);
 }
 
 }  // namespace
@@ -59,15 +42,15 @@ void RingTraction::add_forces(const Vector3& value, const VectorX& X, VectorX& f
   double scale = 1;
   if (is_total_) {
     double area = 0;
-    for_each_line_point(facets_, [&](std::span<const Index> nodes, const LinePoint& point) {
+    for_each_line_point(facets_, [&](std::span<const Index> nodes, const FacetPoint& point) {
       area += point.weight * LineState(point, nodes, X).area().norm();
     });
     scale = 1 / area;
   }
-  for_each_line_point(facets_, [&](std::span<const Index> nodes, const LinePoint& point) {
+  for_each_line_point(facets_, [&](std::span<const Index> nodes, const FacetPoint& point) {
     const double area = scale * point.weight * LineState(point, nodes, X).area().norm();
     for (std::size_t a = 0; a < nodes.size(); ++a)
-      forces.segment(2 * Eigen::Index{nodes[a]}, 2) += point.N[a] * area * value.head(2);
+      forces.segment(2 * Eigen::Index{nodes[a]}, 2) += point.values[a] * area * value.head(2);
   });
 }
 
@@ -85,7 +68,7 @@ double RingPressure::difference(const VectorX& from, const VectorX& to, const Co
   if (p == 0) return 0;
   const VectorX middle = 0.5 * (from + to);
   double work = 0;
-  for_each_line_point(facets_, [&](std::span<const Index> nodes, const LinePoint& point) {
+  for_each_line_point(facets_, [&](std::span<const Index> nodes, const FacetPoint& point) {
     const LineState start(point, nodes, from), half(point, nodes, middle), end(point, nodes, to);
     const Eigen::Vector2d mean = (start.area() + 4 * half.area() + end.area()) / 6;
     work += point.weight * mean.dot(Eigen::Vector2d(end.r - start.r, end.z - start.z));
@@ -94,22 +77,28 @@ double RingPressure::difference(const VectorX& from, const VectorX& to, const Co
 }
 
 void RingPressure::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
-  const double p = factor(c);
-  if (p == 0) return;
-  for_each_line_point(facets_, [&](std::span<const Index> nodes, const LinePoint& point) {
-    const Eigen::Vector2d force = p * point.weight * LineState(point, nodes, x).area();
+  if (const double p = factor(c); p != 0) add_forces(x, -p, gradient);
+}
+
+void RingPressure::add_full_forces(const VectorX& x, VectorX& forces) const {
+  add_forces(x, pressure_, forces);
+}
+
+void RingPressure::add_forces(const VectorX& x, double pressure, VectorX& forces) const {
+  for_each_line_point(facets_, [&](std::span<const Index> nodes, const FacetPoint& point) {
+    const Eigen::Vector2d force = -pressure * point.weight * LineState(point, nodes, x).area();
     for (std::size_t a = 0; a < nodes.size(); ++a)
-      gradient.segment(2 * Eigen::Index{nodes[a]}, 2) += point.N[a] * force;
+      forces.segment(2 * Eigen::Index{nodes[a]}, 2) += point.values[a] * force;
   });
 }
 
 void RingPressure::add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const {
   const double p = std::abs(factor(c));
   if (p == 0) return;
-  for_each_line_point(facets_, [&](std::span<const Index> nodes, const LinePoint& point) {
+  for_each_line_point(facets_, [&](std::span<const Index> nodes, const FacetPoint& point) {
     const Eigen::Vector2d force = p * point.weight * LineState(point, nodes, x).area().cwiseAbs();
     for (std::size_t a = 0; a < nodes.size(); ++a)
-      magnitude.segment(2 * Eigen::Index{nodes[a]}, 2) += std::abs(point.N[a]) * force;
+      magnitude.segment(2 * Eigen::Index{nodes[a]}, 2) += std::abs(point.values[a]) * force;
   });
 }
 
@@ -132,16 +121,17 @@ void RingPressure::add_hessian(const VectorX& x, const Conditions& c, Projection
     const std::size_t count = nodes.size();
     std::array<Eigen::Matrix2d, 9> blocks;
     blocks.fill(Eigen::Matrix2d::Zero());
-    for (const LinePoint& point : line_points(facets_.kind)) {
+    for (const FacetPoint& point : line_points(facets_.kind)) {
       const LineState at(point, nodes, x);
       std::array<Eigen::Matrix2d, 3> slopes;
       for (std::size_t b = 0; b < count; ++b) {
-        slopes[b] << point.N[b] * at.dz, at.r * point.dN[b], -point.N[b] * at.dr - at.r * point.dN[b], 0;
+        slopes[b] << point.values[b] * at.dz, at.r * point.slopes[2 * b],
+            -point.values[b] * at.dr - at.r * point.slopes[2 * b], 0;
         slopes[b] *= std::numbers::pi * p * point.weight;  // half of 2 pi
       }
       for (std::size_t a = 0; a < count; ++a)
         for (std::size_t b = a; b < count; ++b)
-          blocks[a * count + b] += point.N[a] * slopes[b] + point.N[b] * slopes[a].transpose();
+          blocks[a * count + b] += point.values[a] * slopes[b] + point.values[b] * slopes[a].transpose();
     }
     for (std::size_t a = 0; a < count; ++a)
       for (std::size_t b = a; b < count; ++b) {

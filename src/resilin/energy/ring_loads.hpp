@@ -14,6 +14,7 @@ class RingTraction final : public LoadedRegion {
   /// Derivatives of axisymmetric solids are refused before: nothing.
   void add_force_change(const Vector3&, const VectorX&, const VectorX&, VectorX&) const override {}
   void add_rest_slopes(const Vector3&, const VectorX&, const VectorX&, VectorX&) const override {}
+  const CellBlock& facets() const { return facets_; }  ///< in the world's node numbers
 
  private:
   CellBlock facets_;
@@ -40,9 +41,14 @@ class RingPressure final : public BasicEnergy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const override;
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
+  const CellBlock& facets() const { return facets_; }  ///< in the world's node numbers
+  /// Nodal forces at factor 1 when bodies stand at x [N].
+  void add_full_forces(const VectorX& x, VectorX& forces) const;
 
  private:
   double factor(const Conditions& c) const { return active_.factor(c) * pressure_; }
+  /// Adds the forces of a pressure [N].
+  void add_forces(const VectorX& x, double pressure, VectorX& forces) const;
 
   std::string name_;
   CellBlock facets_;

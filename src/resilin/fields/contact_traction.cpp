@@ -12,6 +12,7 @@
 #include "resilin/mesh/cell_kind.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/meeting_surface.hpp"
 
@@ -89,7 +90,7 @@ class TouchedFaces {
         if (!is_touched) continue;
         const CellBlock one{.kind = facets.kind, .nodes = {nodes.begin(), nodes.end()}};
         const Vector3 normal = area_vector(dim, facets.kind, nodes, x).normalized();
-        for (const ContactNode& share : contact_nodes(dim, one, world.rest_positions, 1))
+        for (const ContactNode& share : contact_nodes(dim, one, world.rest_positions, 1, depth_of(world)))
           faces_[share.node].push_back({normal, share.stiffness});
       }
     }
@@ -123,7 +124,7 @@ class TouchedFaces {
     const double side = outward_side(dim, facets, rest);
     for (Index facet = 0; facet < facets.num_cells(); ++facet) {
       const std::span<const Index> corners = facets.cell(facet);
-      const double share = area_vector(dim, facets.kind, corners, rest).norm() / dim;
+      const double share = world.thickness * area_vector(dim, facets.kind, corners, rest).norm() / dim;
       const Vector3 normal = side * area_vector(dim, facets.kind, corners, now).normalized();
       for (const Index vertex : corners)
         vertices.for_each_node(vertex, [&](Index node, double weight) {

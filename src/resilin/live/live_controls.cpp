@@ -78,6 +78,9 @@ LiveControls starting_controls(const Description& description, const World& worl
   if (is_axisymmetric(world))
     throw InputError(description.place + ": simulation.dimension", "2 or 3 for a scene to play with",
                      "\"axisymmetric\"", "compute it with resilin run and look at its pictures");
+  if (world.thickness != 1)
+    throw InputError(description.place + ": simulation.thickness", "1 m for a scene to play with",
+                     format_number(world.thickness), "compute it with resilin run and look at its pictures");
   LiveControls controls = with_material({}, starting_material(first, world.bodies.front()));
   controls.damping = first.damping.mass;
   controls.gravity = description.gravity;

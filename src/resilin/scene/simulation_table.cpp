@@ -28,7 +28,7 @@ Keys<Description> simulation_keys() {
                node.context->is_dynamic = d.is_dynamic;
              }),
       key<D>({"dimension", "2, 3, \"plane_stress\" or \"axisymmetric\"", "", default_text(defaults.dimension),
-              "3, or 2 for plane strain at unit thickness. It sets the length of every vector. "
+              "3, or 2 for plane strain. It sets the length of every vector. "
               "`\"plane_stress\"`: 2 in [plane stress](materials.md#plane-stress), for thin sheets. "
               "`\"axisymmetric\"`: 2 with x the radius and y the axis of "
               "[axisymmetric solids](materials.md#axisymmetric-solids)."},
@@ -42,6 +42,9 @@ Keys<Description> simulation_keys() {
                }
                d.dimension = node.context->dimension = dimension;
              }),
+      number_key("thickness", &D::thickness, "m", positive,
+                 "In 2D: the thickness, of which forces, energies, volumes and masses are those. Not in "
+                 "axisymmetric solids, where they are those of the full turn."),
       vector_key("gravity", &D::gravity, "m/s^2", "Gravitational acceleration."),
       number_key("time_step", &D::time_step, "s", positive, "Dynamics: time step; at most end_time."),
       number_key("end_time", &D::end_time, "s", positive,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/constraints.hpp"
 #include "resilin/world/support_phase.hpp"
@@ -32,6 +33,9 @@ void check_is_differentiable(const Description& description) {
            "leave it out of [[step]]");
   if (is_axisymmetric(description))
     refuse("a scene in 2D or 3D", "an axisymmetric one", "take a slice in 3D");
+  if (description.thickness != 1)
+    refuse("a thickness of 1 m", format_number(description.thickness) + " m",
+           "leave simulation.thickness out: forces are those of each metre then");
   if (const std::string material = place_of_viscoelasticity(description); !material.empty())
     throw InputError(material, "elastic materials where derivatives are asked for", "a viscoelastic one",
                      "leave viscoelastic out");

@@ -86,6 +86,10 @@ class Search {
     if (is_axisymmetric(description_))
       throw InputError(description_.place + ": simulation.dimension", "2 or 3 for a stress-free shape",
                        "\"axisymmetric\"", "take a slice in 3D");
+    if (description_.thickness != 1)
+      throw InputError(description_.place + ": simulation.thickness", "1 m for a stress-free shape",
+                       format_number(description_.thickness),
+                       "leave it out: forces are those of each metre then");
     if (const std::string material = place_of_viscoelasticity(description_); !material.empty())
       throw InputError(material, "an elastic material for a stress-free shape", "a viscoelastic one",
                        "leave viscoelastic out");

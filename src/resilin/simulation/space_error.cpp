@@ -171,7 +171,7 @@ double SpaceError::Change::total() const {
 std::optional<SpaceError> space_error(Simulation& simulation) {
   const World& world = simulation.world();
   if (world.is_dynamic || world.modes || !world.share.is_whole() || world.keeps_history() ||
-      world.constraints || !world.cables.empty() || is_axisymmetric(world))
+      world.constraints || !world.cables.empty() || is_axisymmetric(world) || world.thickness != 1)
     return std::nullopt;
   return world.dimension == 3 ? space_error_in<3>(simulation) : space_error_in<2>(simulation);
 }

@@ -36,12 +36,20 @@ bool is_axisymmetric(const World& world) {
                              [](const Body& body) { return has_axisymmetric_name(body.element); });
 }
 
+Depth depth_of(const World& world) {
+  if (!is_axisymmetric(world)) return {.thickness = world.thickness};
+  return {.is_turned = true, .axis = axis_tolerance * largest_radius(world.rest_positions)};
+}
+
 void check_axisymmetry(const Description& d) {
   if (!is_axisymmetric(d)) return;
   if (d.gravity.x() != 0)
     throw InputError(d.place + ": simulation.gravity", "gravity along the axis (y) in an axisymmetric scene",
                      "a radial component of " + format_number(d.gravity.x()) + " m/s^2",
                      "use gravity = [0, -9.81]");
+  if (d.thickness != 1)
+    refuse(d.place + ": simulation.thickness", format_number(d.thickness) + " m",
+           "leave it out: forces are those of the full turn");
   for (const BodyDescription& body : d.bodies) {
     if (body.rigid) refuse(body.rigid->place, "a rigid body", "hold or move a boundary with [[fix]]");
     if (body.skin) refuse(body.skin->place, "a skin", "leave the skin out");
@@ -53,10 +61,9 @@ void check_axisymmetry(const Description& d) {
         }))
       refuse(body.place + ".material", "a viscoelastic material", "leave viscoelastic out or take 3D");
   }
-  if (!d.colliders.empty()) refuse(d.colliders.front().place, "a collider", "press with [[fix]]");
-  if (d.bodies.size() > 1 && d.contact.is_enabled)
-    refuse(d.place + ": contact", "contact between bodies", "set [contact] enabled = false");
-  if (d.contact.with_themselves) refuse(d.place + ": contact.self", "self-contact", "leave it out");
+  for (const ColliderDescription& collider : d.colliders)
+    if (collider.rotate)
+      refuse(collider.place + ".rotate", "a rotation", "a collider is turned about the axis: take 3D");
   if (!d.ties.empty()) refuse(d.ties.front().place, "a tie", "mesh the bodies as one, with regions");
   if (!d.sections.empty()) refuse(d.sections.front().place, "a section", "take the reaction of a [[fix]]");
   if (!d.is_dynamic && !d.modes && d.load_control == LoadControlKind::arc_length)
@@ -96,21 +103,6 @@ void fix_axis(World& world) {
   }
   if (count > 0)
     world.notes.push_back(world.place + ": u_r = 0 at " + std::to_string(count) + " nodes on the axis");
-}
-
-void check_is_held_along_axis(const World& world) {
-  std::vector<HeldDirection> directions;
-  for (const auto& term : world.terms) term->add_held_directions(world.start_positions, directions);
-  if (!directions.empty() || world.constraints) return;
-  for (const Body& body : world.bodies) {
-    bool is_held = false;
-    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
-      is_held = is_held || world.support_of[2 * static_cast<std::size_t>(node) + 1] >= 0;
-    if (!is_held)
-      throw InputError(world.place, "body \"" + body.name +
-                                        "\" is not constrained: it can move along the axis in a static "
-                                        "analysis; prescribe the y component of a vertex ([[fix]])");
-  }
 }
 
 }  // namespace resilin

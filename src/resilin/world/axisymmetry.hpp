@@ -1,5 +1,6 @@
 #pragma once
 
+#include "resilin/mesh/depth.hpp"
 #include "resilin/world/world.hpp"
 
 namespace resilin {
@@ -9,6 +10,9 @@ namespace resilin {
 bool is_axisymmetric(const Description& description);
 bool is_axisymmetric(const World& world);
 
+/// Depth of the plane that the world is in.
+Depth depth_of(const World& world);
+
 /// Refuses what axisymmetric scenes cannot have: one line each.
 void check_axisymmetry(const Description& description);
 
@@ -17,8 +21,5 @@ void check_radii(const BodyDescription& description, const VectorX& rest_positio
 
 /// Fixes u_r of nodes on the axis that no boundary condition prescribes, and tells how many they are.
 void fix_axis(World& world);
-
-/// Throws InputError where a body can move along the axis in a static analysis.
-void check_is_held_along_axis(const World& world);
 
 }  // namespace resilin

@@ -102,7 +102,8 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
     auto energy = std::make_shared<ElasticEnergy>(
         world.dimension, ElementChoice(body.element, description.quadrature), domain.cells,
         world.rest_positions, law, of.constants, fibres, preferred_instruction_set(),
-        world.is_dynamic || material.viscoelastic ? Gradients::held : Gradients::held_by_small_bodies);
+        world.is_dynamic || material.viscoelastic ? Gradients::held : Gradients::held_by_small_bodies,
+        world.thickness);
     if (world.newton.inversion_bound == InversionBound::everywhere) energy->bound_inversion_everywhere();
     std::shared_ptr<Energy> term = energy;
     if (material.viscoelastic) {

@@ -5,6 +5,7 @@
 #include "resilin/contact/catalog.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/mesh_collider.hpp"
@@ -37,12 +38,14 @@ void check_facets_are_outside(const ColliderBarrier& collider, const World& worl
 }  // namespace
 
 std::shared_ptr<const BallFacets> ball_facets(const World& world, double least_radius,
-                                              std::optional<double> stiffness, double activation_distance) {
+                                              std::optional<double> stiffness, double activation_distance,
+                                              const Vector3& center) {
   ContactSurface surface = make_contact_surface(
       world.dimension, contact_bodies(world, stiffness), world.contact_shape(),
-      ContactObstacle{.mesh = {.vertices = {Vector3::Zero()},
+      ContactObstacle{.mesh = {.vertices = {center},
                                .facets = std::vector<Index>(static_cast<std::size_t>(world.dimension), 0)},
-                      .motion = {}});
+                      .motion = {}},
+      depth_of(world));
   leave_held_out(surface, held_nodes(world));
   auto facets = std::make_shared<const BallFacets>(std::move(surface), world.contact_shape(), least_radius,
                                                    activation_distance);
@@ -91,8 +94,8 @@ void add_collider(const ColliderDescription& description, World& world, const Co
       part != nullptr ? points_of(*part) : contact_points(world, description.stiffness), activation_distance,
       motion_of(description, world.end_time), description.friction);
   if (part == nullptr && barrier->shape().radius() > 0)
-    barrier->meet_facets(
-        ball_facets(world, barrier->shape().radius(), description.stiffness, activation_distance));
+    barrier->meet_facets(ball_facets(world, barrier->shape().radius(), description.stiffness,
+                                     activation_distance, barrier->shape().reference_point()));
   world.colliders.push_back(barrier);
   world.terms.push_back(world.colliders.back());
   if (part != nullptr) return;  // the whole has been checked

@@ -7,6 +7,7 @@
 #include "resilin/contact/crossing.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/body_overlap.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/friction.hpp"
@@ -191,7 +192,8 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   std::vector<ContactBody> bodies = contact_bodies(world, description.stiffness);
   if (!description.stiffness)
     for (ContactBody& body : bodies) body.stiffness *= between_bodies;
-  const ContactSurface surface = make_contact_surface(world.dimension, bodies, world.contact_shape());
+  const ContactSurface surface =
+      make_contact_surface(world.dimension, bodies, world.contact_shape(), {}, depth_of(world));
   double distance = description.activation_distance.value_or(default_activation_distance(world));
   check_fits_bodies(distance, world, description.place);
   if (any_meets_itself(meetings)) {

@@ -55,7 +55,7 @@ void add_damping(const Description& description, World& world) {
             {TermOrigin::Kind::viscous_damping, b, d});
     if (wanted.mass == 0) continue;
     if (by_mass.nodal.size() == 0) by_mass = world.mass->times(0);
-    add_body_masses(by_mass, body, world.rest_positions, wanted.mass);
+    add_body_masses(by_mass, body, world.rest_positions, world.thickness * wanted.mass);
   }
   if (by_mass.nodal.size() > 0)
     add(std::make_shared<MassDamping>(std::make_shared<const MassMatrix>(std::move(by_mass))),

@@ -420,7 +420,8 @@ struct Description {
   std::string place = "scene";
   std::string title;
   bool is_dynamic = false;
-  int dimension = 3;                  ///< 3, or 2: plane strain, unit thickness
+  int dimension = 3;                  ///< 3, or 2: plane strain, plane stress, axisymmetric
+  double thickness = 1;               ///< thickness of plane scenes [m]
   Vector3 gravity = Vector3::Zero();  ///< [m/s^2]
   TimeFunction gravity_function;      ///< on gravity, in place of the load factor
   double time_step = 0.01;            ///< dynamics [s]

@@ -59,6 +59,10 @@ void check_times(const Description& d, const std::string& place) {
 void check_simulation(const Description& d, const std::string& place) {
   if (d.dimension != 2 && d.dimension != 3)
     throw InputError(place + "dimension", "2 or 3", std::to_string(d.dimension));
+  require_positive(d.thickness, place + "thickness");
+  if (d.dimension == 3 && d.thickness != 1)
+    throw InputError(place + "thickness", "a scene in 2D (simulation.dimension)", "one in 3D",
+                     "leave it out");
   if (!d.gravity.allFinite()) throw InputError(place + "gravity", "finite numbers", "inf or nan");
   check_times(d, place);
   require_at_least_one(d.load_steps, place + "load_steps");

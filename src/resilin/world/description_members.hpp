@@ -57,9 +57,9 @@ RESILIN_MEMBERS(OutputOptions, every, fields, formats)
 RESILIN_MEMBERS(AdaptiveSteps, tolerance, min_step, max_step)
 RESILIN_MEMBERS(ModesOptions, count, is_loaded)
 RESILIN_MEMBERS(StepDescription, place, name, end)
-RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, gravity, gravity_function, time_step,
-                end_time, integrator, adaptive, modes, load_steps, load_control, max_steps, unstable_modes,
-                on_jump, steps, bodies, fixes, ties, constraints, joints, springs, cables, loads, colliders,
-                contact, probes, sections, newton, solver, output)
+RESILIN_MEMBERS(Description, place, title, is_dynamic, dimension, thickness, gravity, gravity_function,
+                time_step, end_time, integrator, adaptive, modes, load_steps, load_control, max_steps,
+                unstable_modes, on_jump, steps, bodies, fixes, ties, constraints, joints, springs, cables,
+                loads, colliders, contact, probes, sections, newton, solver, output)
 
 }  // namespace resilin

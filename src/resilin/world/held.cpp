@@ -15,6 +15,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/colliders.hpp"
 #include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/world.hpp"
@@ -221,6 +222,9 @@ std::vector<Part> parts_of(const World& world, const Body& body, const std::vect
     part.size = std::max(part.size, (node_position(dim, node, world.rest_positions) - part.center).norm());
   });
   for (Part& part : parts) part.gram = Eigen::MatrixXd::Zero(num_motions, num_motions);
+  // In axisymmetric solids only the way along the axis is a rigid-body motion.
+  if (is_axisymmetric(world))
+    for (Part& part : parts) part.gram(0, 0) = part.gram(2, 2) = 1;
   for_each_vertex([&](Part& part, Index node) {
     const RigidMotions motions = motions_of(world, part, node);
     for (int k = 0; k < dim; ++k) {
@@ -459,7 +463,7 @@ void check_is_held(const World& world) {
     throw InputError(
         world.place,
         where + " is not constrained: " + std::to_string(free.cols()) + " of " +
-            std::to_string(part.gram.rows()) +
+            std::to_string(is_axisymmetric(world) ? 1 : part.gram.rows()) +
             " rigid-body motions are free in a static analysis: " + join(names) +
             (others.empty() ? ""
                             : "; " + join(others) + (others.size() == 1 ? " moves" : " move") + " with it") +

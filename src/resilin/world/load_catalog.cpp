@@ -16,8 +16,8 @@ namespace resilin {
 namespace {
 
 std::shared_ptr<Energy> dead_load(std::shared_ptr<const LoadedRegion> region, const LoadDescription& load,
-                                  const LoadSite& site) {
-  return std::make_shared<DeadLoad>(site.name, site.dimension, std::move(region), load.value,
+                                  const LoadSite& site, double factor = 1) {
+  return std::make_shared<DeadLoad>(site.name, site.dimension, std::move(region), factor * load.value,
                                     site.rest_positions, site.active);
 }
 
@@ -30,7 +30,7 @@ std::shared_ptr<Energy> make_body_force(const LoadDescription& load, const LoadS
   const bool are_all = cells.size() == site.body.cells.size();
   return dead_load(std::make_shared<LoadedCells>(site.element,
                                                  are_all ? site.body.cells : SharedIndices(std::move(cells))),
-                   load, site);
+                   load, site, site.thickness);
 }
 
 CellBlock facets_of(const LoadDescription& load, const LoadSite& site) {
@@ -45,7 +45,8 @@ CellBlock facets_of(const LoadDescription& load, const LoadSite& site) {
 std::shared_ptr<Energy> make_traction(const LoadDescription& load, const LoadSite& site) {
   if (is_axisymmetric(site.element))
     return dead_load(std::make_shared<RingTraction>(facets_of(load, site), false), load, site);
-  return dead_load(std::make_shared<LoadedFacets>(site.dimension, facets_of(load, site)), load, site);
+  return dead_load(std::make_shared<LoadedFacets>(site.dimension, facets_of(load, site)), load, site,
+                   site.thickness);
 }
 
 /// Each process knows its own facets alone, not the whole area.
@@ -74,8 +75,8 @@ std::shared_ptr<Energy> make_pressure(const LoadDescription& load, const LoadSit
   if (is_axisymmetric(site.element))
     return std::make_shared<RingPressure>(site.name, facets_of(load, site), load.pressure,
                                           site.rest_positions, site.active);
-  return std::make_shared<Pressure>(site.name, site.dimension, facets_of(load, site), load.pressure,
-                                    site.rest_positions, site.active);
+  return std::make_shared<Pressure>(site.name, site.dimension, facets_of(load, site),
+                                    site.thickness * load.pressure, site.rest_positions, site.active);
 }
 
 std::shared_ptr<Energy> make_nodal_force(const LoadDescription& load, const LoadSite& site) {

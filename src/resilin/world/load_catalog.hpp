@@ -21,6 +21,7 @@ struct LoadSite {
   std::vector<Index> nodes;     ///< selected, in the numbering of the cells
   std::vector<Index> vertices;  ///< the same in the body's mesh
   ActiveTime active;
+  double thickness = 1;  ///< thickness of plane scenes: what acts per area or volume has it [m]
   const SelectionPart* part = nullptr;  ///< part of a scene that several processes share; else null
 };
 

@@ -35,6 +35,7 @@ std::shared_ptr<Energy> make_load(const LoadDescription& load, const World& worl
                                 : select_vertices(load.where, rigid != nullptr ? rigid->mesh : mesh, loaded,
                                                   rest_positions, world.dimension, where),
                 .active = active_time(load),
+                .thickness = world.thickness,
                 .part = part};
   for (const Index vertex : site.vertices) site.nodes.push_back(loaded.first_node + vertex);
   std::shared_ptr<Energy> made = kind.make(load, site);
@@ -56,8 +57,8 @@ std::shared_ptr<Energy> make_gravity(const Vector3& gravity, const TimeFunction&
         continue;
       }
       for (const Domain& domain : body.domains)
-        add_body_force(body.domains.element(), domain.cells, world.rest_positions, domain.density * gravity,
-                       forces);
+        add_body_force(body.domains.element(), domain.cells, world.rest_positions,
+                       world.thickness * domain.density * gravity, forces);
     }
   }
   return std::make_shared<DeadLoad>("gravity", std::move(forces), world.rest_positions,

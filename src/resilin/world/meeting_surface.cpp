@@ -9,6 +9,7 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/mesh/second_moments.hpp"
 #include "resilin/mesh/topology.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
@@ -143,15 +144,17 @@ std::vector<std::uint8_t> held_nodes(const World& world) {
 ContactPoints contact_points(const World& world, std::optional<double> stiffness) {
   const int dim = world.dimension;
   const std::vector<std::uint8_t> is_held = held_nodes(world);
+  const Depth depth = depth_of(world);
   ContactPoints all;
   for (const Body& body : world.bodies) {
     const ContactBody own = meeting_body(body, dim, stiffness);
     if (own.carrier == nullptr) {
-      for (const ContactNode& node : contact_nodes(dim, own.facets, world.contact_shape(), own.stiffness))
+      for (const ContactNode& node :
+           contact_nodes(dim, own.facets, world.contact_shape(), own.stiffness, depth))
         if (is_held[static_cast<std::size_t>(node.node)] == 0) all.add(node);
       continue;
     }
-    ContactSurface surface = make_contact_surface(dim, {&own, 1}, world.contact_shape());
+    ContactSurface surface = make_contact_surface(dim, {&own, 1}, world.contact_shape(), {}, depth);
     leave_held_out(surface, is_held);
     for (const Index vertex : surface.parts.points) {
       const auto v = static_cast<std::size_t>(vertex);

@@ -9,6 +9,7 @@
 #include "resilin/contact/crossing.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/colliders.hpp"
 #include "resilin/world/meeting_surface.hpp"
 
@@ -180,8 +181,9 @@ class ObstacleStart {
 
 void check_is_beside(ColliderMesh mesh, const ColliderDescription& description, double activation_distance,
                      const World& world) {
-  ContactSurface surface = make_contact_surface(world.dimension, contact_bodies(world, description.stiffness),
-                                                world.contact_shape(), ContactObstacle{std::move(mesh), {}});
+  ContactSurface surface =
+      make_contact_surface(world.dimension, contact_bodies(world, description.stiffness),
+                           world.contact_shape(), ContactObstacle{std::move(mesh), {}}, depth_of(world));
   leave_held_out(surface, held_nodes(world));
   const ObstacleContact contact(description.name, surface, activation_distance, world.start_positions);
   ObstacleStart(contact, world, description.place).check_is_beside();
@@ -196,7 +198,7 @@ std::shared_ptr<const ObstacleContact> make_mesh_collider(const ColliderDescript
   check_mesh(mesh, world, mesh_place);
   ContactSurface surface = make_contact_surface(
       world.dimension, contact_bodies(world, description.stiffness), world.contact_shape(),
-      ContactObstacle{std::move(mesh), motion_of(description, world.end_time)});
+      ContactObstacle{std::move(mesh), motion_of(description, world.end_time)}, depth_of(world));
   if (world.dimension == 3) check_folds(surface, world, surface.places(world.contact_shape()), mesh_place);
   leave_held_out(surface, held_nodes(world));
   const std::size_t num_bodies = surface.stiffness.size();

@@ -3,12 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <memory>
-#include <numbers>
 
 #include "resilin/core/text.hpp"
 #include "resilin/energy/dead_load.hpp"
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/energy/pressure.hpp"
+#include "resilin/energy/ring_loads.hpp"
 #include "resilin/energy/spread_force.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/world/axisymmetry.hpp"
@@ -38,11 +38,15 @@ std::vector<Index> nodes_of(const CellBlock& facets) {
 Site site_of(const Energy& term) {
   if (const auto* pressure = dynamic_cast<const Pressure*>(&term))
     return {&pressure->facets(), nodes_of(pressure->facets())};
+  if (const auto* pressure = dynamic_cast<const RingPressure*>(&term))
+    return {&pressure->facets(), nodes_of(pressure->facets())};
   if (const auto* spring = dynamic_cast<const HandleSpring*>(&term))
     return {nullptr, sorted(spring->nodes())};
   const auto* dead = dynamic_cast<const DeadLoad*>(&term);
   if (dead == nullptr) return {};
   if (const auto* on = dynamic_cast<const LoadedFacets*>(dead->region()))
+    return {&on->facets(), nodes_of(on->facets())};
+  if (const auto* on = dynamic_cast<const RingTraction*>(dead->region()))
     return {&on->facets(), nodes_of(on->facets())};
   if (const auto* on = dynamic_cast<const SpreadForce*>(dead->region()))
     return {&on->facets(), nodes_of(on->facets())};
@@ -71,6 +75,10 @@ VectorX full_forces(const World& world, const Energy& term) {
     }
     return forces;
   }
+  if (const auto* pressure = dynamic_cast<const RingPressure*>(&term)) {
+    pressure->add_full_forces(world.rest_positions, forces);
+    return forces;
+  }
   const auto* dead = dynamic_cast<const DeadLoad*>(&term);
   if (dead == nullptr) return {};
   if (dead->region() != nullptr) {
@@ -93,18 +101,18 @@ void measure(const World& world, const Site& site, Resultant& result) {
   const int dim = world.dimension;
   const VectorX& X = world.rest_positions;
   result.num_nodes = static_cast<Index>(site.nodes.size());
-  result.is_turned = is_axisymmetric(world);
+  const Depth depth = depth_of(world);
+  result.has_depth = depth.is_turned || depth.thickness != 1;
   if (site.facets != nullptr && site.facets->num_cells() > 0) {
     const CellBlock& facets = *site.facets;
     result.num_facets = facets.num_cells();
     for (Index facet = 0; facet < facets.num_cells(); ++facet) {
       const std::span<const Index> nodes = facets.cell(facet);
-      for (const FacetPoint& point : facet_points(facets.kind)) {
+      for (const FacetPoint& point : facet_points(facets.kind, depth)) {
         Vector3 place = Vector3::Zero();
         for (std::size_t a = 0; a < nodes.size(); ++a)
           place += point.values[a] * node_position(dim, nodes[a], X);
-        const double turn = result.is_turned ? 2 * std::numbers::pi * place.x() : 1;
-        const double area = turn * point.weight * area_vector(dim, point, nodes, X).norm();
+        const double area = depth.at(place.x()) * point.weight * area_vector(dim, point, nodes, X).norm();
         result.area += area;
         result.center += area * place;
       }
@@ -163,7 +171,8 @@ std::vector<Resultant> load_resultants(const World& world) {
       add_forces(world, forces, result);
       const double size = forces.norm();
       result.force = cleaned(result.force.value_or(Vector3::Zero()), size);
-      result.moment = cleaned(result.moment, size * world.largest_extent());
+      result.moment = is_axisymmetric(world) ? Vector3(Vector3::Zero())
+                                             : cleaned(result.moment, size * world.largest_extent());
     }
     result.center += world.origin;
   }
@@ -197,7 +206,7 @@ std::string describe(const Resultant& on, int dim) {
   const std::string nodes = std::to_string(on.num_nodes) + (on.num_nodes == 1 ? " node" : " nodes");
   if (on.num_facets > 0) {
     text += "on " + std::to_string(on.num_facets) + (on.num_facets == 1 ? " facet (" : " facets (") + nodes +
-            ", " + format_short(on.area) + (dim == 2 && !on.is_turned ? " m" : " m^2") + ")";
+            ", " + format_short(on.area) + (dim == 2 && !on.has_depth ? " m" : " m^2") + ")";
   } else {
     text += "on " + nodes;
   }

@@ -14,8 +14,8 @@ struct Resultant {
   std::string kind;     ///< "fix", or the kind of the load: "traction", "gravity", ...
   Index num_nodes = 0;  ///< number of selected nodes
   Index num_facets = 0;
-  double area = 0;         ///< area of the facets at rest [m^2]; in 2D on unit thickness
-  bool is_turned = false;  ///< whether the area is that of a full turn about an axis
+  double area = 0;         ///< area of the facets at rest [m^2]; in 2D [m] on unit thickness
+  bool has_depth = false;  ///< whether the area is one of a thickness or of a full turn: [m^2] in 2D, too
   Vector3 center =
       Vector3::Zero();             ///< centroid of the area, or the mean of the nodes; the scene's frame [m]
   std::optional<Vector3> force{};  ///< force of a load at factor 1 on the rest shape [N]; none of a spring

@@ -78,7 +78,8 @@ void Section::add_cells(const Body& body, const std::vector<Index>& cells, bool 
     if (side.cells.empty()) continue;
     side.energy = std::make_shared<const ElasticEnergy>(
         dim_, ElementChoice(whole.element().name, whole.quadrature().name), side.nodes, rest_positions,
-        whole.law(), constants, fibres, whole.instruction_set());
+        whole.law(), constants, fibres, whole.instruction_set(), ElasticTiles::Gradients::held,
+        whole.thickness());
     cells_.push_back(std::move(side));
   }
 }

@@ -9,6 +9,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/meeting_surface.hpp"
 
@@ -86,11 +87,12 @@ bool acts(const World& world, const Conditions& conditions) {
   return false;
 }
 
-/// Sum of a nodal vector over a body.
+/// Sum of a nodal vector over a body; in axisymmetric scenes along the axis, the rest of it is no motion.
 Vector3 total(const World& world, const Body& body, const VectorX& nodal) {
   Vector3 sum = Vector3::Zero();
   for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
     sum += node_position(world.dimension, node, nodal);
+  if (is_axisymmetric(world)) sum.x() = 0;
   return sum;
 }
 

@@ -199,8 +199,7 @@ void Builder::build() {
   if (world_.modes) check_modes(description_, *world_.modes, world_);
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   check_releases(description_, world_);
-  if (finds_equilibrium && world_.switch_times.empty())
-    is_axisymmetric(world_) ? check_is_held_along_axis(world_) : check_is_held(world_);
+  if (finds_equilibrium && world_.switch_times.empty()) check_is_held(world_);
   find_oddities();
 }
 
@@ -396,7 +395,7 @@ void Builder::add_masses() {
     mass.pattern = world_.pattern;
     mass.slots.assign(static_cast<std::size_t>(world_.pattern->num_slots()), 0.0);
   }
-  for (const Body& body : world_.bodies) add_body_masses(mass, body, world_.rest_positions, 1);
+  for (const Body& body : world_.bodies) add_body_masses(mass, body, world_.rest_positions, world_.thickness);
   world_.mass = std::make_shared<const MassMatrix>(std::move(mass));
 }
 
@@ -455,6 +454,7 @@ void Builder::find_fixed_unknowns() {
 World::World(const Description& description, std::shared_ptr<const Description> shared, const ScenePart* part,
              Share share_of_part)
     : dimension(description.dimension),
+      thickness(description.thickness),
       is_dynamic(description.is_dynamic),
       title(description.title),
       place(description.place),

@@ -103,6 +103,7 @@ class World {
   World(const ScenePart& part, Share share_of_part);
 
   int dimension = 3;
+  double thickness = 1;  ///< thickness of plane scenes [m]
   bool is_dynamic = false;
   std::string title;
   std::string place;
