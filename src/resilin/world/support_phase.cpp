@@ -132,7 +132,7 @@ void check_releases(const Description& description, World& world) {
     const std::string step =
         phase == 0 ? "" : step_that_begins(world, world.switch_times[static_cast<std::size_t>(phase - 1)]);
     try {
-      is_axisymmetric(world) ? check_is_held_along_axis(world) : check_is_held(world);
+      check_is_held(world);
     } catch (const InputError& error) {
       if (step.empty()) throw;
       throw InputError("step \"" + step + "\"", error.what());
