@@ -53,7 +53,7 @@ void add_picture(CommandLine& line, Action& action) {
       .option("--field", picture.field,
               "Field of the frames, with a component where it has several: von_mises, displacement.z, "
               "cauchy_stress.xy; averaged_ or nodal_ before a cell field gives vertex values; "
-              "default averaged_von_mises, as on the page; none: one colour per body")
+              "default nodal_von_mises, as on the page; none: one colour per body")
       .type_name("NAME[.COMPONENT]")
       .offers(field_names)
       .group("Display");

@@ -23,7 +23,16 @@ std::string title_of(const World& world) {
   return world.title.empty() ? std::filesystem::path(world.place).filename().string() : world.title;
 }
 
-constexpr std::size_t most_arrows = 60;  ///< arrows of a load on a face
+constexpr std::size_t most_arrows = 60;         ///< arrows of a load on a face
+constexpr Offset most_smoothed_cells = 20'000;  ///< cells of a scene that smooth every frame
+
+/// Smooth fields cost too much in every frame of a large scene.
+std::vector<ScalarField> live_fields(const World& world) {
+  Offset num_cells = 0;
+  for (const Body& body : world.bodies) num_cells += body.num_cells();
+  return num_cells <= most_smoothed_cells ? vertex_fields(world.dimension)
+                                          : SurfaceFields::quick(world.dimension);
+}
 
 bool is_same_face(const FacePatch& there, const FacePatch& touched) {
   return there.part == touched.part && std::ranges::binary_search(there.facets, touched.touched);
@@ -57,7 +66,8 @@ ServedLiveScene::Loaded::Loaded(std::shared_ptr<LiveScene> played, std::vector<s
       surface(live->world()),
       colliders(shown_colliders(live->world())),
       fields(live->world(), surface),
-      field_choices(SurfaceFields::quick(live->world().dimension)) {
+      evaluator(live->world()),
+      field_choices(live_fields(live->world())) {
   const auto num_vertices = static_cast<std::size_t>(surface.num_vertices());
   positions.resize(3 * num_vertices);
   if (surface.dimension() == 3) normals.resize(3 * num_vertices);
@@ -381,7 +391,7 @@ std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_
                   .normals = loaded.normals,
                   .colliders = places};
   if (field) {
-    loaded.fields.evaluate(world(), state, loaded.field_choices[*field].name, loaded.field);
+    loaded.fields.evaluate(loaded.evaluator, state, {&loaded.field_choices[*field], 1}, {&loaded.field, 1});
     frame.field_number = static_cast<std::uint32_t>(*field);
     frame.field = loaded.field;
   }

@@ -94,6 +94,7 @@ class ServedLiveScene : public ServedScene {
     ShownSurface surface;
     std::vector<ShownCollider> colliders;
     SurfaceFields fields;
+    FieldEvaluator evaluator;                ///< keeps the projection of smooth fields between frames
     std::vector<ScalarField> field_choices;  ///< fields that pages choose from, in the order of the header
     Vector3 grab_offset = Vector3::Zero();   ///< from the pointer to the place that is held [m]
     std::map<Index, std::uint32_t> vertex_of_node;  ///< vertex of the page for each pinned node

@@ -41,7 +41,7 @@ def html_of(core: _core.History, count: int, words: str) -> str:
             f'<iframe srcdoc="{html.escape(page)}" sandbox="allow-scripts allow-downloads" '
             f'title="{html.escape(words)}" style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>'
         )
-    image = core.draw(-1, picture_options("averaged_von_mises", size=(900, 675))).png()
+    image = core.draw(-1, picture_options("nodal_von_mises", size=(900, 675))).png()
     return (
         f'<img src="data:image/png;base64,{base64.b64encode(image).decode()}" alt="{html.escape(words)}">'
         "<p>The result is too large for a notebook; save it, and <code>resilin view</code> shows the folder.</p>"

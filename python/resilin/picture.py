@@ -64,7 +64,7 @@ def picture(place: AnyPath, field: str | None = None, *, frame: int = -1, **opti
         Folder of a run, or a .vtu file.
     field : str, optional
         Any, with a component where it has several: "von_mises", "displacement.z", "cauchy_stress.xy";
-        "averaged_von_mises" by default, as on the page; "none" for one colour per body. Missing fields are computed
+        "nodal_von_mises" by default, as on the page; "none" for one colour per body. Missing fields are computed
         from the frames and the scene in the folder.
     frame : int
         Number of the frame; -1 is the last.

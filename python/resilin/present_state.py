@@ -54,6 +54,6 @@ class PresentState(Generic[Core]):
         """Fields of the present state by name, as in `Result` without the frame axis."""
         return Fields(lambda name: self._core.field(name)[0])
 
-    def plot(self, field: str | None = "averaged_von_mises", **options: Unpack[PictureOptions]) -> Picture:
+    def plot(self, field: str | None = "nodal_von_mises", **options: Unpack[PictureOptions]) -> Picture:
         """Draws the present state; see `Result.plot`."""
         return Picture(self._core.draw(picture_options(field, **options)))

@@ -111,7 +111,7 @@ class Result:
         self._core.save(file_path(folder, "folder"))
 
     def plot(
-        self, field: str | None = "averaged_von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]
+        self, field: str | None = "nodal_von_mises", *, frame: int = -1, **options: Unpack[PictureOptions]
     ) -> Picture:
         """Renders the deformed body, coloured by a field; needs no display and no other package.
 

@@ -51,6 +51,10 @@ TEST_F(View, RefusesWhatItCannotShowInOneLine) {
   const std::filesystem::path results = folder.path() / "results";
   std::filesystem::create_directory(results);
   folder.write("broken.toml", "[simulation]\nkynd = 1\n");
+  folder.write("sheet.toml",
+               "[simulation]\ndimension = \"plane_stress\"\n[[body]]\nname = \"sheet\"\n"
+               "mesh = { box = { size = [1, 1], cells = [2, 2] } }\n"
+               "material = { law = \"neo_hookean\", youngs_modulus = 1e5, poissons_ratio = 0.3 }\n");
   folder.write("sheet.stl",
                "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
                "endfacet\nendsolid\n");
@@ -59,6 +63,9 @@ TEST_F(View, RefusesWhatItCannotShowInOneLine) {
       {{"view", "nothing.toml"}, "nothing.toml"},
       {{"view", "broken.toml"}, "broken.toml:2: simulation.kynd"},
       {{"view", "sheet.stl"}, "open sheet"},
+      {{"view", "sheet.toml"}, "simulation.dimension: the live page has no \"plane_stress\" scenes"},
+      {{"view", "sheet.toml", "--set", "simulation.dimension=axisymmetric"},
+       "simulation.dimension: the live page has no \"axisymmetric\" scenes"},
       {{"view", "results"}, "run the scene again with formats = [\"vtu\", \"html\"]"},
       {{"view", "results", "--set", "a=1"}, "--set: expected a scene to change"},
       {{"view", "jelly.toml", "--set", "simulation.kynd=1"}, "simulation.kynd"},

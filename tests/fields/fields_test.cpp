@@ -149,6 +149,27 @@ TEST(Fields, OfTheCellsHaveANameForEachWayToBringThemToTheVertices) {
   EXPECT_GT(std::ranges::min(averages), std::ranges::min(cells));
 }
 
+/// A bar bent to a curvature of 1e-3 / m by quadratic displacements, whose fibres have the stress E kappa z.
+/// A cell under the surface ends a quarter of the height below it.
+TEST(Fields, SmoothStressMeetsTheBendingStressThatAveragesMiss) {
+  Description scene = small_bar(3, false);
+  scene.bodies[0].element = "P2";
+  scene.bodies[0].mesh = make_box({1, 0.25, 0.25}, {8, 4, 4}, {0, 0, -0.125});
+  scene.bodies[0].material.law = "linear_elastic";
+  scene.bodies[0].material.constants = {{"youngs_modulus", 1e6}, {"poissons_ratio", 0}};
+  const World world(scene);
+  State state = uniform_state(world, Matrix<3>::Identity());
+  constexpr double curvature = 1e-3;  // [1/m]
+  for (Index i = 0; i < world.num_nodes(); ++i) {
+    const Vector3 X = node_position(3, i, world.rest_positions);
+    state.positions.segment<3>(Eigen::Index{3} * i) +=
+        curvature * Vector3(X.x() * X.z(), 0, -0.5 * X.x() * X.x());
+  }
+  const double largest = 1e6 * curvature * 0.125;
+  EXPECT_NEAR(std::ranges::max(values_of(world, state, "nodal_von_mises")), largest, 1e-9 * largest);
+  EXPECT_LT(std::ranges::max(values_of(world, state, "averaged_von_mises")), 0.9 * largest);
+}
+
 TEST(Fields, ThatAreUnknownAreRefusedWithTheNearestName) {
   const World world(small_bar(2, false));
   const State state = uniform_state(world, Matrix<3>::Identity());

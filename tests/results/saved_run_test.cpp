@@ -112,6 +112,13 @@ TEST_P(FramesOfARun, AreDrawnAsTheStates) {
   }
 }
 
+TEST_P(FramesOfARun, AreColouredBySmoothStressUnlessAnotherFieldIsAsked) {
+  const SavedRun run(GetParam(), folder / "out");
+  const Image usual = draw_result(run.folder, -1, small_picture(""));
+  EXPECT_EQ(usual.legend.substr(0, usual.legend.find(" [")), "von Mises stress, smooth");
+  EXPECT_EQ(usual.pixels, draw_result(run.folder, -1, small_picture("nodal_von_mises")).pixels);
+}
+
 /// Gravity decides what is upright: pictures of one scene with y or z up are the same but for the axes.
 TEST(PictureOfAState, TakesUpFromGravity) {
   Description scene = scene_of({3, true, 0});

@@ -124,6 +124,8 @@ TEST(SceneFile, AsksForAPointInDecimals) {
               AllOf(HasSubstr("beam.toml:14"), HasSubstr("write decimals with a point, not a comma")));
   EXPECT_THAT(error_after_replacing("poissons_ratio = 0.3", "poissons_ratio = \"0,3\""),
               HasSubstr("got \"0,3\"; write decimals with a point: 0.3"));
+  EXPECT_THAT(error_with({"simulation.time_step=0,01"}),
+              HasSubstr("got \"0,01\"; write decimals with a point, not a comma"));
 }
 
 TEST(SceneFile, AcceptsWholeNumbersWhereNumbersAre) {

@@ -153,6 +153,7 @@ TEST(Recorder, GoesOnWithATornFileAsIfItHadNeverStopped) {
   ASSERT_EQ(recording.records.size(), states.size());
   const auto json = nlohmann::json::parse(recording.header);
   EXPECT_EQ(json["fields"].size(), 3U);
+  EXPECT_EQ(json["fields"][0]["name"], "nodal_von_mises");
   EXPECT_EQ(json["title"], "bar");
 
   for (const std::size_t cut :

@@ -194,6 +194,7 @@ TEST_F(ServedLiveSceneTest, RefusesWhatCannotBeAndStaysAsItWas) {
 TEST_F(ServedLiveSceneTest, FramesCarryTheFieldThatIsAskedFor) {
   run(10);
   EXPECT_TRUE(frame().field.empty());
+  EXPECT_EQ(std::ranges::count(scene.field_names(), "nodal_von_mises"), 1) << "few cells are smoothed live";
   for (std::size_t i = 0; i < scene.field_names().size(); ++i) {
     const DecodedFrame shown = frame(i);
     EXPECT_EQ(shown.field_number, i);

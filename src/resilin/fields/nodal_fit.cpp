@@ -1,9 +1,11 @@
 #include "resilin/fields/nodal_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "resilin/core/parallel.hpp"
 #include "resilin/element/catalog.hpp"
 
 namespace resilin {
@@ -11,6 +13,141 @@ namespace {
 
 constexpr int columns = 3;  // components that are solved for at a time
 constexpr double tolerance = 1e-13;
+constexpr std::size_t rows_per_chunk = 1024;
+
+/// Solves M X = B, one number of M per pair of nodes, for `columns` right-hand sides at once: b and x hold
+/// them node by node. Conjugate gradients with M's diagonal, each side with steps of its own.
+class ColumnsByGradients final : public LinearSolver {
+ public:
+  std::string_view name() const override { return "columns"; }
+  bool is_direct() const override { return false; }
+  void analyze(const BlockMatrix&, const VectorX&) override {}
+
+  /// Rows of both triangles, so that a product writes each row once.
+  LinearReport factorize(const BlockMatrix& M) override {
+    const BlockPattern& upper = *M.pattern;
+    const auto n = static_cast<std::size_t>(upper.num_nodes());
+    begin_.assign(n + 1, 0);
+    const auto for_each = [&](const auto& entry) {
+      for (std::size_t i = 0; i < n; ++i)
+        for (Offset s = upper.row_begin[i]; s < upper.row_begin[i + 1]; ++s) {
+          const auto j = static_cast<std::size_t>(upper.columns[static_cast<std::size_t>(s)]);
+          entry(i, j, *M.block(s));
+          if (i != j) entry(j, i, *M.block(s));
+        }
+    };
+    for_each([&](std::size_t row, std::size_t, double) { ++begin_[row + 1]; });
+    for (std::size_t i = 0; i < n; ++i) begin_[i + 1] += begin_[i];
+    nodes_.resize(begin_[n]);
+    values_.resize(begin_[n]);
+    inverse_diagonal_.resize(n);
+    std::vector<std::size_t> end(begin_.begin(), begin_.end() - 1);
+    for_each([&](std::size_t row, std::size_t column, double value) {
+      nodes_[end[row]] = static_cast<Index>(column);
+      values_[end[row]++] = value;
+      if (row == column) inverse_diagonal_[row] = 1 / value;
+    });
+    return {};
+  }
+
+  LinearReport solve(const BlockMatrix& M, const VectorX& b, VectorX& x, double relative_tolerance) override {
+    const auto n = static_cast<std::size_t>(M.num_nodes());
+    x = VectorX::Zero(b.size());
+    r_ = b;
+    p_ = VectorX::Zero(b.size());
+    q_.resize(b.size());
+    LinearReport report;
+    Sums first = residuals(n), now = first;
+    Sums beta;
+    const auto is_done = [&] {
+      for (std::size_t k = 0; k < columns; ++k)
+        if (now.squares[k] > relative_tolerance * relative_tolerance * first.squares[k]) return false;
+      return true;
+    };
+    for (; report.iterations < most_iterations && !is_done(); ++report.iterations) {
+      next_direction(n, beta);
+      const Sums pMp = multiply_direction(n);
+      std::array<double, columns> alpha{};
+      for (std::size_t k = 0; k < columns; ++k)
+        alpha[k] = pMp.products[k] > 0 ? now.products[k] / pMp.products[k] : 0;
+      parallel_for(n, rows_per_chunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin * columns; i < end * columns; ++i) {
+          const auto at = static_cast<Eigen::Index>(i);
+          x[at] += alpha[i % columns] * p_[at];
+          r_[at] -= alpha[i % columns] * q_[at];
+        }
+      });
+      const Sums after = residuals(n);
+      for (std::size_t k = 0; k < columns; ++k)
+        beta.products[k] = now.products[k] > 0 ? after.products[k] / now.products[k] : 0;
+      now = after;
+    }
+    if (!is_done()) report.status = LinearReport::Status::not_converged;
+    return report;
+  }
+
+ private:
+  static constexpr int most_iterations = 1000;
+
+  struct Sums {
+    std::array<double, columns> products{}, squares{};
+    Sums& operator+=(const Sums& other) {
+      for (std::size_t k = 0; k < columns; ++k)
+        products[k] += other.products[k], squares[k] += other.squares[k];
+      return *this;
+    }
+  };
+
+  /// r.D^-1 r and r.r of each column.
+  Sums residuals(std::size_t n) const {
+    return parallel_sum<Sums>(n, rows_per_chunk, [&](std::size_t begin, std::size_t end) {
+      Sums sums;
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = 0; k < columns; ++k) {
+          const double r = r_[static_cast<Eigen::Index>(i * columns + k)];
+          sums.products[k] += inverse_diagonal_[i] * r * r;
+          sums.squares[k] += r * r;
+        }
+      return sums;
+    });
+  }
+
+  /// p = D^-1 r + beta p
+  void next_direction(std::size_t n, const Sums& beta) {
+    parallel_for(n, rows_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = 0; k < columns; ++k) {
+          const auto at = static_cast<Eigen::Index>(i * columns + k);
+          p_[at] = inverse_diagonal_[i] * r_[at] + beta.products[k] * p_[at];
+        }
+    });
+  }
+
+  /// q = M p, and p.q of each column.
+  Sums multiply_direction(std::size_t n) {
+    return parallel_sum<Sums>(n, rows_per_chunk, [&](std::size_t begin, std::size_t end) {
+      Sums sums;
+      for (std::size_t i = begin; i < end; ++i) {
+        std::array<double, columns> row{};
+        for (std::size_t s = begin_[i]; s < begin_[i + 1]; ++s) {
+          const double* p = p_.data() + std::size_t{columns} * static_cast<std::size_t>(nodes_[s]);
+          for (std::size_t k = 0; k < columns; ++k) row[k] += values_[s] * p[k];
+        }
+        for (std::size_t k = 0; k < columns; ++k) {
+          const auto at = static_cast<Eigen::Index>(i * columns + k);
+          q_[at] = row[k];
+          sums.products[k] += p_[at] * row[k];
+        }
+      }
+      return sums;
+    });
+  }
+
+  std::vector<std::size_t> begin_;
+  std::vector<Index> nodes_;
+  std::vector<double> values_, inverse_diagonal_;
+  VectorX r_, p_, q_;
+};
 
 std::vector<double> shape_values(const ElementInfo& element, std::span<const Vector3> places) {
   const auto n = static_cast<std::size_t>(element.num_nodes);
@@ -43,11 +180,10 @@ NodalFit::NodalFit(const Body& body) : num_nodes_(static_cast<std::size_t>(body.
 
   BlockPatternBuilder builder(body.num_nodes);
   builder.add_cells(corners_, corner.num_nodes);
-  matrix_ = BlockMatrix(columns, std::make_shared<const BlockPattern>(builder.build()));
+  matrix_ = BlockMatrix(1, std::make_shared<const BlockPattern>(builder.build()));
   add_matrix(body);
   find_nodes_between(body);
-  solver_ = make_linear_solver({.kind = "cg_jacobi"}, matrix_.num_unknowns());
-  solver_->analyze(matrix_, VectorX());
+  solver_ = std::make_unique<ColumnsByGradients>();
   solver_->factorize(matrix_);
 }
 
@@ -71,14 +207,12 @@ void NodalFit::add_matrix(const Body& body) {
                                     : point_volumes_[cell] * rule.points[q].weight / size(shape);
           entry += volume * N[q * num_corners_ + a] * N[q * num_corners_ + b];
         }
-        double* block = matrix_.block(matrix_.pattern->slot(nodes[a], nodes[b]));
-        for (int k = 0; k < columns; ++k) block[k * (columns + 1)] += entry;
+        *matrix_.block(matrix_.pattern->slot(nodes[a], nodes[b])) += entry;
       }
     }
   }
   for (Index node = 0; node < matrix_.num_nodes(); ++node)
-    if (!is_corner[static_cast<std::size_t>(node)])
-      for (int k = 0; k < columns; ++k) matrix_.add_to_diagonal(node, k, 1);
+    if (!is_corner[static_cast<std::size_t>(node)]) matrix_.add_to_diagonal(node, 0, 1);
 }
 
 void NodalFit::find_nodes_between(const Body& body) {
@@ -95,7 +229,7 @@ void NodalFit::find_nodes_between(const Body& body) {
 /// sum_q V_q N_a(xi_q) f_q of the components `first`, `first` + 1, ...
 VectorX NodalFit::right_side(std::span<const double> point_values, std::size_t components,
                              std::size_t first) const {
-  VectorX b = VectorX::Zero(matrix_.num_unknowns());
+  VectorX b = VectorX::Zero(Eigen::Index{matrix_.num_nodes()} * columns);
   const std::size_t count = std::min<std::size_t>(columns, components - first);
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const std::size_t cell = i / num_corners_, a = i % num_corners_;

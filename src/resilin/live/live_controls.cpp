@@ -70,14 +70,22 @@ LiveControls with_material(LiveControls controls, const BodyControls& material) 
   return controls;
 }
 
+namespace {
+
+[[noreturn]] void refuse_to_play(const Description& description, const std::string& dimension) {
+  throw InputError(description.place + ": simulation.dimension",
+                   "the live page has no \"" + dimension +
+                       "\" scenes, it moves solids and plane strain; `resilin run` computes this scene, and "
+                       "`resilin view` shows the folder of its results");
+}
+
+}  // namespace
+
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
   const BodyDescription& first = description.bodies.front();
   if (is_plane_stress(world.bodies.front().domains.front().law_info()))
-    throw InputError(description.place + ": simulation.dimension", "2 or 3 for a scene to play with",
-                     "\"plane_stress\"", "compute it with resilin run and look at its pictures");
-  if (is_axisymmetric(world))
-    throw InputError(description.place + ": simulation.dimension", "2 or 3 for a scene to play with",
-                     "\"axisymmetric\"", "compute it with resilin run and look at its pictures");
+    refuse_to_play(description, "plane_stress");
+  if (is_axisymmetric(world)) refuse_to_play(description, "axisymmetric");
   if (world.thickness != 1)
     throw InputError(description.place + ": simulation.thickness", "1 m for a scene to play with",
                      format_number(world.thickness), "compute it with resilin run and look at its pictures");

@@ -63,7 +63,7 @@ bool holds(const VtuContent& content, const std::string& field) {
          std::ranges::find(names, base_name(field)) != names.end();
 }
 
-constexpr const char* usual_field = "averaged_von_mises";
+constexpr const char* usual_field = "nodal_von_mises";
 
 bool has_skins(const World& world) {
   return world.dimension == 3 && std::ranges::any_of(world.bodies, is_shown_by_skin);
@@ -168,7 +168,7 @@ Image draw_result(const std::filesystem::path& place, int frame, PictureOptions 
                      : draw_state(*known.world, known.state, colliders, std::move(options));
   }
   if (options.field.empty()) {
-    for (const char* usual : {usual_field, "von_mises", displacement})
+    for (const char* usual : {usual_field, "averaged_von_mises", "von_mises", displacement})
       if (options.field.empty() && holds(content, usual)) options.field = usual;
   }
   describe_field(options);

@@ -12,7 +12,7 @@ namespace resilin {
 ///
 /// Label and unit of the colour bar are those of the field. A field that the frame does not hold is computed
 /// from it and from the scene that the run has kept (`saved_world`); where there is none it is refused with
-/// those that the frame holds. An empty field means averaged_von_mises, which is what the page shows, and
+/// those that the frame holds. An empty field means nodal_von_mises, which is what the page shows, and
 /// von_mises or displacement where that is not to be had. Where the scene is there, gravity says what is up,
 /// and what is known at the nodes is drawn on the skin of a body that has one.
 /// @param place  the folder of a run, or one .vtu file

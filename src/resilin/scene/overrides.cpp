@@ -43,6 +43,13 @@ bool is_bare_text(std::string_view text) {
          text.find_first_of("=[]{}\"'\n\r#") == std::string_view::npos && text != "nan" && text != "inf";
 }
 
+/// "0,01", as many languages write it.
+bool has_comma_for_point(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  return comma != std::string_view::npos &&
+         text.find_first_not_of("0123456789+-,.eE") == std::string_view::npos;
+}
+
 void set_source(SceneValue& value, const std::shared_ptr<const std::string>& source) {
   value.source = source;
   value.line = 0;
@@ -64,7 +71,9 @@ SceneValue parse_value(std::string_view text, std::string_view assignment) {
   } catch (const InputError&) {
     if (!is_bare_text(text)) {
       throw InputError(place_of(assignment), "a number, true, false, a text, [a, list] or { a = \"table\" }",
-                       '"' + printable(text) + '"', "a text with special signs needs \"quotes\" in it");
+                       '"' + printable(text) + '"',
+                       has_comma_for_point(text) ? "write decimals with a point, not a comma"
+                                                 : "a text with special signs needs \"quotes\" in it");
     }
     value.data = std::string(text);
   }

@@ -55,7 +55,7 @@ bool is_recorded(const FieldInfo& field, const std::vector<std::string>& asked) 
 }  // namespace
 
 std::vector<ScalarField> recorded_fields(const World& world) {
-  constexpr std::array<std::string_view, 3> always = {"averaged_von_mises", "averaged_volume_ratio",
+  constexpr std::array<std::string_view, 3> always = {"nodal_von_mises", "averaged_volume_ratio",
                                                       "averaged_energy_density"};
   std::vector<ScalarField> recorded;
   const bool has_stress =

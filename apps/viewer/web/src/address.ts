@@ -61,7 +61,9 @@ export function readAddress(hash: string): SharedView {
 
 /** The field of this name, or what it is called on the vertices; "" where there is none. */
 export function nameOfField(fields: { name: string }[], name: string): string {
-  return [name, `averaged_${name}`].find((known) => fields.some((field) => field.name === known)) ?? "";
+  return (
+    [name, `nodal_${name}`, `averaged_${name}`].find((known) => fields.some((field) => field.name === known)) ?? ""
+  );
 }
 
 const REST = 250; // [ms] between two changes of the address

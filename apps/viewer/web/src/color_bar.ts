@@ -2,6 +2,7 @@
 
 import { cssGradient, type ColorMap } from "./color_map";
 import { element, setText } from "./dom";
+import { wordsOfComma } from "./number_slider";
 import { plain, roundTicks, scaledUnit } from "./numbers";
 import type { Field } from "./protocol";
 
@@ -20,8 +21,11 @@ export class ColorBar {
   private range: [number, number] = [0, 1];
   private factor = 1; // factor of the unit that the numbers are shown in
 
-  /** `edited`: the user typed a range, or null for the range of the values. */
-  constructor(private readonly edited: (range: [number, number] | null) => void) {
+  /** `edited`: the user typed a range, or null for the range of the values; `complain`: about what was typed. */
+  constructor(
+    private readonly edited: (range: [number, number] | null) => void,
+    private readonly complain: (words: string) => void,
+  ) {
     const input = (place: string) =>
       element("input", {
         class: "bar-end",
@@ -81,8 +85,11 @@ export class ColorBar {
   private readInputs(): void {
     const number = (input: HTMLInputElement) => this.factor * Number(input.value.replace("\u2212", "-"));
     const [low, high] = [number(this.bottom), number(this.top)];
-    if (Number.isFinite(low) && Number.isFinite(high) && low < high) this.edited([low, high]);
-    else this.show(this.range);
+    if (Number.isFinite(low) && Number.isFinite(high) && low < high) return this.edited([low, high]);
+    const typed = [this.bottom, this.top].find((input) => !Number.isFinite(number(input)))?.value;
+    if (typed === undefined) this.complain("The value at the top of the colours must be above that at the bottom.");
+    else this.complain(wordsOfComma(typed, "") ?? `“${typed}” is not a number.`);
+    this.show(this.range);
   }
 
   /** `typed`: the range is the user's own. */

@@ -20,6 +20,12 @@ export class HeadUp {
   private readonly words = element("div", { class: "words", data: "words", role: "status" });
   private readonly stateWords = element("span", { class: "state-words" });
   private readonly warning = element("span", { class: "warning-words", data: "warning" });
+  private readonly more = element(
+    "button",
+    { type: "button", class: "more", data: "words-more", hidden: true, on: { click: () => this.open(!this.isOpen) } },
+    "more",
+  );
+  private isOpen = false;
   private dimension: 2 | 3 = 3;
 
   constructor() {
@@ -43,8 +49,26 @@ export class HeadUp {
       15,
     );
     this.contact.hidden = true;
-    this.words.append(this.stateWords, this.warning);
+    this.words.append(this.stateWords, this.warning, this.more);
     this.root.prepend(this.words);
+    new ResizeObserver(() => this.offerMore()).observe(this.root);
+    this.open(false);
+  }
+
+  /** All of the state and its warnings, in as many lines as they need; or one line. */
+  private open(isOpen: boolean): void {
+    this.isOpen = isOpen;
+    this.words.classList.toggle("open", isOpen);
+    this.more.setAttribute("aria-expanded", String(isOpen));
+    setText(this.more, isOpen ? "less" : "more");
+    this.offerMore();
+  }
+
+  /** The button is there where words are cut off. */
+  private offerMore(): void {
+    const isCut = [this.stateWords, this.warning].some((words) => words.scrollWidth > words.clientWidth + 1);
+    this.more.hidden = !isCut && !this.isOpen;
+    this.words.classList.toggle("cut", !this.more.hidden);
   }
 
   private add(name: string, label: string, title: string, width: number, extra = ""): HTMLElement {
@@ -89,9 +113,11 @@ export class HeadUp {
     );
     const warnings = grouped(status.warnings ?? []);
     const said = status.words || (status.converged ? "converged" : "not converged within one frame");
+    const isNew = said !== this.stateWords.textContent || warnings.join("; ") !== this.warning.textContent;
     setText(this.stateWords, said);
     setText(this.warning, warnings.join("; "));
-    if (this.stateWords.parentElement === null) this.words.replaceChildren(this.stateWords, this.warning);
+    if (this.stateWords.parentElement === null) this.words.replaceChildren(this.stateWords, this.warning, this.more);
+    if (isNew) this.offerMore();
     const isFine = status.converged && warnings.length === 0;
     this.words.dataset.mood = !isFine ? "behind" : status.at_rest ? "rest" : "fine";
   }

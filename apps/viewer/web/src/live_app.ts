@@ -5,6 +5,7 @@ import { element, icon, iconButton } from "./dom";
 import { Crosshair } from "./crosshair";
 import { Gestures, type Place } from "./gestures";
 import { HeadUp } from "./head_up";
+import { LiveLine } from "./live_line";
 import { History } from "./history";
 import { arrowOf, belongsToControl, CAMERA_KEYS, keyOf, movesCamera } from "./keys";
 import { LiveConnection } from "./live";
@@ -36,6 +37,7 @@ const KEYS: [string, string][] = [
   ["s", "single step"],
   ["r", "reset to the start"],
   ["f", "fit the view to the scene"],
+  ["l", "plot the field along a line between two clicks; again: remove it"],
   ["w e c x m o", "wireframe, edges, coarse cells, section cut, boundary conditions and loads, orthographic view"],
   ["?", "this help"],
 ];
@@ -50,6 +52,7 @@ export class LiveApp {
   private readonly connection: LiveConnection;
   private readonly headUp = new HeadUp();
   private readonly strip = new Strip();
+  private readonly line = new LiveLine();
   private readonly overlays = new Overlays(KEYS);
   private readonly crosshair = new Crosshair();
   private readonly toolButtons = new Map<Tool, HTMLButtonElement>();
@@ -57,6 +60,7 @@ export class LiveApp {
   private readonly saveButton = iconButton("save", "Save the scene with its fixed faces (Ctrl s)", () =>
     this.connection.send({ type: "save" }),
   );
+  private readonly lineButton = iconButton("line", "Plot the field along a line (l)", () => this.toggleLine());
   private readonly opener: Opener;
   private readonly history = new History();
   private panel: LivePanel | null = null;
@@ -97,7 +101,10 @@ export class LiveApp {
     });
     this.shell = new Shell("live", this.overlays, {
       fieldChosen: (name) => this.chooseField(name),
-      themeChanged: () => this.strip.redraw(),
+      themeChanged: () => {
+        this.strip.redraw();
+        this.line.redraw();
+      },
       cameraMoved: () => this.addressBar.changed(),
       rangeChanged: (range) => range === null && this.shell.forgetRange(),
       tick: () => this.tick(),
@@ -107,15 +114,15 @@ export class LiveApp {
     this.pauseButton = iconButton("pause", "Pause (Space)", () => this.togglePause());
     this.overlays.root.append(this.crosshair.root);
     this.shell.bottom.append(this.toolbar(), this.headUp.root);
-    this.shell.left.append(this.strip.root);
+    this.shell.left.append(this.line.root, this.strip.root);
     new Gestures(this.shell.canvas, () => this.shell.viewport!.orbit, {
       press: (at) => {
         this.crosshair.hide();
-        return this.tools?.press(at) ?? false;
+        return this.line.isAsking ? false : (this.tools?.press(at) ?? false);
       },
       drag: (at) => this.tools?.drag(at),
       release: () => this.tools?.release(),
-      click: (at) => this.tools?.click(at),
+      click: (at) => (this.line.isAsking ? this.clickLine(at) : this.tools?.click(at)),
       hover: (at) => {
         this.hovered = at;
         if (at === null) this.shell.pointAt(null);
@@ -176,6 +183,7 @@ export class LiveApp {
         ? iconButton("back", "Back to the recording (b)", () => this.goBack())
         : iconButton("open", "Open a mesh or a surface (Ctrl o)", () => this.opener.choose()),
       this.saveButton,
+      this.lineButton,
       ...this.shell.cameraButtons,
       iconButton("help", "Mouse and keys (?)", () => this.overlays.showHelp(true)),
     );
@@ -188,6 +196,8 @@ export class LiveApp {
       hello.parts[part].kind === "skin" ? "given" : "creased",
     );
     this.client = hello.client;
+    this.line.setScene(topology, hello.dimension === 2);
+    this.lineButton.setAttribute("aria-pressed", "false");
     this.saveButton.hidden = !hello.saves;
     this.history.clear();
     this.tools = new Tools(viewport, this.connection, this.history, Number(hello.state.values.max_force) || 1);
@@ -229,6 +239,25 @@ export class LiveApp {
       .onChange((visible: boolean) => (this.strip.root.hidden = !visible));
     this.chooseField(choices.field);
     this.shell.inspected.header = hello;
+  }
+
+  /** The next two clicks are the ends of a line; without a field the stress is shown. */
+  private toggleLine(): void {
+    const words = this.line.toggle();
+    this.lineButton.setAttribute("aria-pressed", String(this.line.isOn));
+    if (words) this.overlays.say(words, "fine");
+    const { choices, viewport, display } = this.shell;
+    if (this.line.isOn && choices.field === "" && viewport) {
+      this.chooseField(nameOfField(viewport.header.fields, "von_mises"));
+      display!.refresh();
+    }
+    viewport?.marks.setProbes([]);
+    viewport?.touch();
+  }
+
+  private clickLine(at: Place): void {
+    const hit = this.shell.viewport!.pickAt(at.x, at.y);
+    if (hit && this.line.add(hit)) this.overlays.say("Now click where the line ends.", "fine");
   }
 
   /** A slider that is drawn gives one entry, not one for each of its places. */
@@ -313,9 +342,21 @@ export class LiveApp {
       Object.assign(this.shell.inspected, { time: frame.time, restarts: this.restarts });
       this.shell.inspected.shownField = frame.field;
     }
+    if (this.line.isOn) this.showLine();
     this.tools?.beforeDraw();
     this.showHover();
     return frame;
+  }
+
+  private showLine(): void {
+    const { viewport } = this.shell;
+    if (!viewport?.frame) return;
+    const field = viewport.header.fields[viewport.frame.field] ?? null;
+    const ends = this.line.update(viewport.frame, field);
+    if (!ends) return;
+    viewport.marks.setProbes(ends);
+    viewport.touch();
+    this.shell.inspected.line = this.line.values;
   }
 
   private showHover(): void {
@@ -343,6 +384,7 @@ export class LiveApp {
       f: () => shell.seeAll(),
       w: () => shell.toggle("wireframe"),
       c: () => shell.toggle("cells"),
+      l: () => this.toggleLine(),
       x: () => shell.toggle("cut"),
       m: () => shell.toggle("marks"),
       e: () => shell.toggle("edges"),

@@ -22,6 +22,13 @@ function factorOf(written: string, unit: string): number {
   return rest === "" || rest === unit ? (PREFIXES[written[0]] ?? NaN) : NaN;
 }
 
+/** Words for a number with a decimal comma, "0,3"; null: it is something else. */
+export function wordsOfComma(text: string, unit: string): string | null {
+  const found = /^([^,]*\d),(\d[^,]*)$/.exec(text.trim());
+  if (!found || !Number.isFinite(readNumber(`${found[1]}.${found[2]}`, unit))) return null;
+  return `“${text}” is not a number. Write decimals with a point: ${found[1]}.${found[2]}.`;
+}
+
 export interface NumberRange {
   least: number; // at the ends of the slider; the field takes more
   greatest: number;
@@ -87,11 +94,14 @@ export class NumberSlider<T extends object> extends Controller {
       const shown = (number: number) => `${plain(number)}${unit && ` ${unit}`}`;
       const expected = `from ${shown(least)} to ${shown(greatest)}`;
       this.range.complain(`${this.$name.textContent}: expected a number ${expected}, got ${shown(value)}`);
-    } else {
-      const example = unit === "" ? "0.25 or 2.5e-1" : `${withUnit(this.getValue() as number, unit)} or 2.5e4`;
-      this.range.complain(`“${text}” is not a number${unit && ` in ${unit}`}. Write one such as ${example}.`);
-    }
+    } else this.range.complain(wordsOfComma(text, unit) ?? this.wordsOfNoNumber(text));
     this.finish();
+  }
+
+  private wordsOfNoNumber(text: string): string {
+    const { unit } = this.range;
+    const example = unit === "" ? "0.25 or 2.5e-1" : `${withUnit(this.getValue() as number, unit)} or 2.5e4`;
+    return `“${text}” is not a number${unit && ` in ${unit}`}. Write one such as ${example}.`;
   }
 
   private finish(): void {

@@ -2,6 +2,7 @@
 
 import { Chart, type Series } from "./charts";
 import { element } from "./dom";
+import { LineChart } from "./line_chart";
 import type { LineValues } from "./line_probe";
 import type { RecordedValues } from "./recorded_values";
 import { axisWords, curvesOf, type Report, timeAxis, type TimeAxis } from "./report";
@@ -17,7 +18,7 @@ export class Plots {
     "Click the body, or press Enter, to plot the values of that point over the frames.",
   );
   private readonly linePlace = element("div", { data: "line-plot" });
-  private lineChart: Chart | null = null;
+  private readonly lineChart = new LineChart(this.linePlace, HEIGHT);
   private probeCharts: Chart[] = [];
   private readonly reportCharts: Chart[] = [];
   private readonly axis: TimeAxis;
@@ -112,28 +113,9 @@ export class Plots {
 
   /** The field along a line, at the frame that is shown; null: there is no line. */
   showLine(line: LineValues | null, field: number): void {
-    if (line === null || field < 0) {
-      this.lineChart?.destroy();
-      this.lineChart = null;
-      return;
-    }
-    const { label, unit } = this.values.fields[field];
-    const title = `${label[0].toUpperCase()}${label.slice(1)} along the line`;
-    if (this.lineChart?.title !== title) {
-      this.lineChart?.destroy();
-      const [low, high] = this.values.range(field);
-      this.lineChart = new Chart({
-        title,
-        quantity: label,
-        series: [{ label, unit }],
-        height: HEIGHT,
-        legend: true,
-        axis: "distance [m]",
-        scale: Math.max(Math.abs(low), Math.abs(high)),
-      });
-      this.linePlace.append(this.lineChart.root);
-    }
-    this.lineChart.set(line.distances, [line.values]);
+    if (line === null || field < 0) return this.lineChart.remove();
+    const [low, high] = this.values.range(field);
+    this.lineChart.show(line, this.values.fields[field], Math.max(Math.abs(low), Math.abs(high)));
   }
 
   /** The time that is shown. */
@@ -144,7 +126,7 @@ export class Plots {
   }
 
   redraw(): void {
-    this.lineChart?.redraw();
+    this.lineChart.redraw();
     [...this.probeCharts, ...this.reportCharts].forEach((chart) => chart.redraw());
   }
 }

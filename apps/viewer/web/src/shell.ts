@@ -85,7 +85,10 @@ export class Shell {
     private readonly events: ShellEvents,
   ) {
     this.inspected = startInspection(kind);
-    this.bar = new ColorBar((range) => this.setRange(range));
+    this.bar = new ColorBar(
+      (range) => this.setRange(range),
+      (words) => this.overlays.say(words),
+    );
     const heading = element("header", { class: "card heading" }, this.title, this.subtitle, this.warnings.root);
     this.left.append(heading, this.bar.root, this.triad.root);
     document

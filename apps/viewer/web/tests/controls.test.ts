@@ -106,6 +106,31 @@ test("what the program refuses is said in a line, and the control goes back", as
   });
 });
 
+test("the stress along a line between two clicks follows the live scene", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const { page } = watched;
+    await watched.value("resilin.send({ type: 'pause' })");
+    await watched.until("resilin.state.paused");
+    const grabbed = await watched.value("resilin.state.grabbed_by");
+    await page.getByTestId("scene").focus();
+    await page.keyboard.press("l");
+    await watched.until("resilin.header.fields[resilin.shownField]?.name === 'nodal_von_mises'");
+    const { x, y } = await watched.value<{ x: number; y: number }>("resilin.middleOfBody()");
+    await page.mouse.click(x - 20, y);
+    await page.mouse.click(x + 20, y);
+    await watched.until("resilin.line?.values.length > 1");
+    assert.equal(await watched.value("resilin.state.grabbed_by"), grabbed, "the hand takes nothing meanwhile");
+    const first = await watched.value<number[]>("resilin.line.values");
+    assert.ok(first.filter(Number.isFinite).every((stress) => stress >= 0));
+    assert.match(await page.getByTestId("line-plot").innerText(), /^Von Mises stress, smooth along the line/);
+    await watched.value("resilin.send({ type: 'reset' })");
+    await watched.value("resilin.send({ type: 'play' })");
+    await watched.until(`JSON.stringify(resilin.line.values) !== ${JSON.stringify(JSON.stringify(first))}`);
+    await page.keyboard.press("l");
+    await page.getByTestId("line-plot").waitFor({ state: "hidden" });
+  });
+});
+
 test("colours differ by field; wireframe and cut change the picture", async () => {
   await withPage(browser, program.address, async (watched) => {
     const { page } = watched;
@@ -116,7 +141,7 @@ test("colours differ by field; wireframe and cut change the picture", async () =
     await watched.restingTime();
     const pictures = new Map([["body colour", await watched.picture()]]);
     const select = page.getByTestId("show-field").locator("select");
-    for (const name of ["displacement", "von Mises stress, averaged", "volume ratio, averaged"]) {
+    for (const name of ["displacement", "von Mises stress, smooth", "volume ratio, averaged"]) {
       await select.selectOption({ label: name });
       const place = await watched.value<number>(`resilin.header.fields.findIndex((f) => f.label === "${name}")`);
       await watched.until(`resilin.shownField === ${place}`);

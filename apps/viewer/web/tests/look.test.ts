@@ -75,11 +75,11 @@ test("page, picture and report name a stress alike and agree to the digits shown
     const { extremes } = report.frames[report.frames.length - 1];
     const { page } = watched;
     const select = page.getByTestId("show-field").locator("select");
-    assert.notEqual(extremes.von_mises.min.value, extremes.averaged_von_mises.min.value);
+    assert.notEqual(extremes.von_mises.min.value, extremes.nodal_von_mises.min.value);
     const bar = page.getByTestId("color-bar");
     await page.getByTestId("show-range").locator("select").selectOption("this frame");
     for (const [name, label] of [
-      ["averaged_von_mises", "von Mises stress, averaged"],
+      ["nodal_von_mises", "von Mises stress, smooth"],
       ["displacement", "displacement"],
     ]) {
       await select.selectOption({ label });

@@ -379,6 +379,7 @@ test("a plane through a tetrahedron meets it in a triangle or a quadrilateral, w
 test("an old link finds the field by its new name", () => {
   const fields = [{ name: "displacement" }, { name: "averaged_von_mises" }];
   assert.equal(nameOfField(fields, "von_mises"), "averaged_von_mises");
+  assert.equal(nameOfField([...fields, { name: "nodal_von_mises" }], "von_mises"), "nodal_von_mises");
   assert.equal(nameOfField(fields, "displacement"), "displacement");
   assert.equal(nameOfField(fields, "pressure"), "");
 });
