@@ -8,7 +8,7 @@
 namespace resilin {
 namespace {
 
-constexpr std::string_view scene_mark = "resilin scene 3\n";  // another number for other members
+constexpr std::string_view scene_mark = "resilin scene 4\n";  // another number for other members
 
 }  // namespace
 
