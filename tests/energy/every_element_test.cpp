@@ -133,6 +133,35 @@ TEST_P(EveryElementEnergy, HasItsSlopeAsGradientAndItsCurvatureAsHessian) {
   });
 }
 
+/// d(g w)/dp and dE/dp of every constant p against differences.
+TEST_P(EveryElementEnergy, HasItsSlopesByTheConstants) {
+  for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
+    const auto fibres = testing::fibres_for(law, {fibre});
+    std::vector<double> constants = law.constants_from(hooke);
+    const auto energy_at = [&](std::size_t p, double value) {
+      std::vector<double> changed = constants;
+      changed[p] = value;
+      return ElasticEnergy(mesh.dim, {info.name, ""}, mesh.cells, mesh.X, law, changed,
+                           {fibres, fibres.size()});
+    };
+    const VectorX x = mesh.moved(0.01), w = mesh.moved(0.02) - mesh.X;
+    const ElasticEnergy energy = make_energy(info, mesh, law);
+    VectorX slopes = VectorX::Zero(static_cast<Eigen::Index>(constants.size())), energies = slopes;
+    energy.add_parameter_slopes("constants", x, w, {}, slopes);
+    energy.add_energy_slopes("constants", x, energies);
+    for (std::size_t p = 0; p < constants.size(); ++p) {
+      const double value = constants[p], step = 1e-4 * (std::abs(value) + 1e-3);
+      const ElasticEnergy plus = energy_at(p, value + step), minus = energy_at(p, value - step);
+      const double slope = (gradient(plus, x) - gradient(minus, x)).dot(w) / (2 * step);
+      const double scale = gradient(energy, x).norm() * w.norm() / (std::abs(value) + 1e-3);
+      const auto i = static_cast<Eigen::Index>(p);
+      EXPECT_NEAR(slopes[i], slope, 1e-6 * scale) << law.constants[p].name;
+      EXPECT_NEAR(energies[i], (plus.value(x, {}) - minus.value(x, {})) / (2 * step), 1e-6 * scale)
+          << law.constants[p].name;
+    }
+  });
+}
+
 TEST_P(EveryElementEnergy, IsPositiveSemidefiniteOnceProjected) {
   for_every_law([](const ElementInfo& info, const ElementMesh& mesh, const LawInfo& law) {
     ElasticEnergy energy = make_energy(info, mesh, law);

@@ -163,6 +163,8 @@ constexpr std::array rows = {
     Row{"neo_hookean", "neohookean neo_hooke nh", "body.material.law"},
     Row{"mooney_rivlin", "mooney", "body.material.law"},
     Row{"holzapfel_gasser_ogden", "hgo holzapfel", "body.material.law"},
+    Row{"veronda_westmann", "veronda", "body.material.law"},
+    Row{"holmes_mow", "holmesmow", "body.material.law"},
     Row{"saint_venant_kirchhoff", "stvk svk st_venant_kirchhoff saint_venant", "body.material.law"},
     Row{"disc", "disk circle", "mesh = { disc = ... }"},
     Row{"ring", "annulus", "mesh = { ring = ... }"},

@@ -4,6 +4,7 @@
 
 #include "resilin/core/simd.hpp"
 #include "resilin/energy/elastic_tiles.hpp"
+#include "resilin/material/volume_energy.hpp"
 
 namespace resilin {
 namespace {
@@ -67,10 +68,13 @@ void ElasticTiles::constant_stresses(const Tile& tile, const double* u, std::siz
     std::vector<double> own, mean;
     volume_slopes(tile, scratch.j, true, p, 1, scratch, own);
     volume_slopes(tile, scratch.mean_j, false, p, 1, scratch, mean);
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const std::size_t e = i / block_size, lane = i % block_size;
-      scratch.law[(e * n + volume_slope_row) * block_size + lane] +=
-          mean[e / blocks.num_points * block_size + lane] - own[i];
+    const auto variables = static_cast<std::size_t>(num_variables(law->kind));
+    for (std::size_t e = 0; e < num_entries(tile); ++e) {
+      double* change = own.data() + e * block_size;
+      for (std::size_t lane = 0; lane < block_size; ++lane)
+        change[lane] = mean[e / blocks.num_points * block_size + lane] - change[lane];
+      add_volume_energy(law->kind, scratch.variables + e * variables * block_size, change, nullptr, false,
+                        scratch.law + e * n * block_size);
     }
   }
   point_kernels_->stresses(state_tile(tile, scratch), scratch.law, scratch.stress);

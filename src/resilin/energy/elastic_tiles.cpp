@@ -1,5 +1,6 @@
 #include "resilin/energy/elastic_tiles.hpp"
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <span>
@@ -8,6 +9,7 @@
 #include "resilin/core/simd.hpp"
 #include "resilin/energy/axisymmetric_blocks.hpp"
 #include "resilin/energy/kernels/axisymmetric_kernels.hpp"
+#include "resilin/material/volume_energy.hpp"
 
 namespace resilin {
 namespace {
@@ -175,25 +177,41 @@ LawBatch ElasticTiles::law_batch(const Tile& tile, const double* variables, bool
 void ElasticTiles::call_volume(const Tile& tile, Scratch& scratch) const {
   const auto rows = static_cast<std::size_t>(num_variables(law->kind));
   const std::size_t entries = num_entries(tile);
-  for (std::size_t e = 0; e < entries; ++e)
-    std::copy_n(scratch.variables + (e * rows + 2) * block_size, block_size, scratch.j + e * block_size);
+  for (std::size_t e = 0; e < entries; ++e) {
+    const double* variables = scratch.variables + e * rows * block_size;
+    double* j = scratch.j + e * block_size;
+    if (law->kind == LawKind::stretches)
+      volume_of_stretches(variables, j);
+    else
+      std::copy_n(variables + 2 * block_size, block_size, j);
+  }
   quadrature_kernels_->mean(quadrature_tile(tile), scratch.j, scratch.mean_j);
   call_law(law_kernels_->volume, tile, scratch.j, true, scratch, scratch.volume);
   call_law(law_kernels_->volume, tile, scratch.mean_j, false, scratch, scratch.mean_volume);
 }
 
-/// In row `row` of `rows` per entry: takes off this derivative of the volume energy at the entry and adds
-/// `mean`, one row for each tile block (null: nothing).
+/// Takes this derivative of the volume energy at the entries off their `rows` and adds `mean`, one row for
+/// each tile block (null: nothing). Energies are in row `row`; derivatives go where the law's variables have
+/// them.
 void ElasticTiles::replace_volume(const Tile& tile, int row, int rows, int derivative, const double* mean,
                                   Scratch& scratch, double* law_rows) const {
-  const std::size_t entries = num_entries(tile);
-  for (std::size_t e = 0; e < entries; ++e) {
-    double* out =
-        law_rows + (e * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) * block_size;
+  const auto variables = static_cast<std::size_t>(num_variables(law->kind));
+  const bool has_curvature = rows == num_curvature_rows(law->kind);
+  alignas(64) std::array<double, block_size> change;
+  for (std::size_t e = 0; e < num_entries(tile); ++e) {
+    double* out = law_rows + e * static_cast<std::size_t>(rows) * block_size;
     const double* own = scratch.volume + (e * 3 + static_cast<std::size_t>(derivative)) * block_size;
     const double* added = mean == nullptr ? nullptr : mean + e / blocks.num_points * block_size;
-    for (int lane = 0; lane < block_size; ++lane)
-      out[lane] += (added == nullptr ? 0 : added[lane]) - own[lane];
+    for (std::size_t lane = 0; lane < block_size; ++lane)
+      change[lane] = (added == nullptr ? 0 : added[lane]) - own[lane];
+    if (derivative == 0) {
+      double* energy = out + static_cast<std::size_t>(row) * block_size;
+      for (std::size_t lane = 0; lane < block_size; ++lane) energy[lane] += change[lane];
+    } else {
+      add_volume_energy(law->kind, scratch.variables + e * variables * block_size,
+                        derivative == 1 ? change.data() : nullptr, derivative == 2 ? change.data() : nullptr,
+                        has_curvature, out);
+    }
   }
 }
 

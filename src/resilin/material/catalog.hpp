@@ -5,23 +5,26 @@ namespace resilin {
 /// Every law, one on each line: LAW(MyLaw) is the struct MyLaw of material/laws/my_law.hpp. The kernels, the
 /// scene reader, the documentation's table and the property tests walk this list; material/CMakeLists.txt
 /// reads it and compiles each law by itself.
-#define RESILIN_LAWS(LAW)   \
-  LAW(StableNeoHookean)     \
-  LAW(StableNeoHookeanLog)  \
-  LAW(NeoHookean)           \
-  LAW(NeoHookeanQuadratic)  \
-  LAW(NeoHookeanIsochoric)  \
-  LAW(NeoHookeanSimo)       \
-  LAW(SaintVenantKirchhoff) \
-  LAW(LinearElastic)        \
-  LAW(CorotatedLinear)      \
-  LAW(Corotated)            \
-  LAW(Arap)                 \
-  LAW(MooneyRivlin)         \
-  LAW(Yeoh)                 \
-  LAW(Ogden)                \
-  LAW(ArrudaBoyce)          \
-  LAW(Gent)                 \
+#define RESILIN_LAWS(LAW)     \
+  LAW(StableNeoHookean)       \
+  LAW(StableNeoHookeanLog)    \
+  LAW(NeoHookean)             \
+  LAW(NeoHookeanQuadratic)    \
+  LAW(NeoHookeanIsochoric)    \
+  LAW(NeoHookeanIsochoricLog) \
+  LAW(NeoHookeanSimo)         \
+  LAW(SaintVenantKirchhoff)   \
+  LAW(LinearElastic)          \
+  LAW(CorotatedLinear)        \
+  LAW(Corotated)              \
+  LAW(Arap)                   \
+  LAW(MooneyRivlin)           \
+  LAW(Yeoh)                   \
+  LAW(Ogden)                  \
+  LAW(ArrudaBoyce)            \
+  LAW(Gent)                   \
+  LAW(VerondaWestmann)        \
+  LAW(HolmesMow)              \
   LAW(HolzapfelGasserOgden)
 
 #define RESILIN_DECLARE_LAW(Law) \

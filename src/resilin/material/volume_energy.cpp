@@ -30,4 +30,42 @@ std::vector<VolumeSlopes> volume_slopes(const LawInfo& law, std::span<const doub
   return slopes;
 }
 
+void volume_of_stretches(const double* stretches, double* j) {
+  for (int lane = 0; lane < block_size; ++lane) {
+    const double a = stretches[lane], b = stretches[block_size + lane], c = stretches[2 * block_size + lane];
+    j[lane] = a + b + c + (a * b + b * c + c * a) + a * b * c;
+  }
+}
+
+void add_volume_energy(LawKind kind, const double* variables, const double* pressure, const double* stiffness,
+                       bool has_curvature, double* rows) {
+  const auto row = [rows](int i) { return rows + i * block_size; };
+  const auto at = [](const double* numbers, int lane) { return numbers == nullptr ? 0 : numbers[lane]; };
+  if (kind != LawKind::stretches) {
+    for (int lane = 0; lane < block_size; ++lane) {
+      if (pressure != nullptr) row(volume_slope_row)[lane] += pressure[lane];
+      if (stiffness != nullptr) row(volume_curvature_row(kind))[lane] += stiffness[lane];
+    }
+    return;
+  }
+  constexpr int pairs[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
+  for (int lane = 0; lane < block_size; ++lane) {
+    std::array<double, 3> s, slope;
+    for (std::size_t i = 0; i < 3; ++i) s[i] = 1 + variables[i * block_size + static_cast<std::size_t>(lane)];
+    for (std::size_t i = 0; i < 3; ++i) slope[i] = s[(i + 1) % 3] * s[(i + 2) % 3];
+    const double p = at(pressure, lane), k = at(stiffness, lane);
+    if (pressure != nullptr)
+      for (std::size_t i = 0; i < 3; ++i) row(static_cast<int>(i))[lane] += p * slope[i];
+    if (!has_curvature) continue;
+    for (int place = 0; place < 6; ++place) {
+      const auto i = static_cast<std::size_t>(pairs[place][0]), m = static_cast<std::size_t>(pairs[place][1]);
+      row(3 + place)[lane] += k * slope[i] * slope[m] + (i == m ? 0 : p * s[3 - i - m]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      row(9 + static_cast<int>(i))[lane] -= p * s[i];
+      row(12 + static_cast<int>(i))[lane] += p * s[i];
+    }
+  }
+}
+
 }  // namespace resilin

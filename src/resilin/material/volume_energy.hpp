@@ -21,4 +21,17 @@ struct VolumeSlopes {
 std::vector<VolumeSlopes> volume_slopes(const LawInfo& law, std::span<const double> j,
                                         std::span<const Column> constants, InstructionSet set);
 
+// For one block of lanes (core/simd.hpp), in the rows of a law's kernels (kernels/law_kernels.hpp):
+
+/// J - 1 of shifted stretches.
+void volume_of_stretches(const double* stretches, double* j);
+
+/// Adds a volumetric energy to the rows of a law's gradient or curvature.
+/// @param variables  of the law
+/// @param pressure   dU/dJ; null where that is not to be added
+/// @param stiffness  d2U/dJ2, for curvatures; null likewise
+/// @param has_curvature  whether the rows are those of the curvature
+void add_volume_energy(LawKind kind, const double* variables, const double* pressure, const double* stiffness,
+                       bool has_curvature, double* rows);
+
 }  // namespace resilin

@@ -47,11 +47,17 @@ struct Ogden {
     return {0.63 * scale, 1.3, 0.0012 * scale, 5.0, -0.01 * scale, -2.0, hooke.bulk_modulus()};
   }
 
+  /// The part that depends on J alone and resists changes of volume [J/m^3]; j = J - 1.
+  template <class T>
+  T volume_energy(const T& j) const {
+    return 0.5 * kappa * square(j);
+  }
+
   template <class T>
   T energy_density(const Stretches<T>& c) const {
     return (mu_1 / alpha_1) * c.isochoric_power_sum(alpha_1) +
            (mu_2 / alpha_2) * c.isochoric_power_sum(alpha_2) +
-           (mu_3 / alpha_3) * c.isochoric_power_sum(alpha_3) + 0.5 * kappa * square(c.j);
+           (mu_3 / alpha_3) * c.isochoric_power_sum(alpha_3) + volume_energy(c.j);
   }
 };
 
