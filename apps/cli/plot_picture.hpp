@@ -8,7 +8,7 @@
 
 namespace resilin::cli {
 
-/// What is drawn into the axes of a plot; values that are no numbers leave a gap.
+/// A curve of a plot; values that are no numbers leave a gap.
 struct PlottedCurve {
   std::string label;
   Color color;

@@ -159,7 +159,7 @@ class ContactReport(_Contact, total=False):
 
 
 class ColliderContactReport(TypedDict):
-    """What a collider presses on: its force [N], the area [m^2] and the largest and mean pressure [Pa]."""
+    """Contact of a collider: its force [N], the area [m^2] and the largest and mean pressure [Pa]."""
 
     force: list[float]
     area: float

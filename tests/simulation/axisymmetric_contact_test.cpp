@@ -232,7 +232,7 @@ TEST(AxisymmetricContact, APlateOfLinesPressesAsAHalfSpaceDoes) {
 
 /// A quarter of a disc of radius 1 in r and z, fine where it touches the plane z = 0.
 Mesh graded_ball(int count, double finest) {
-  double growth = 1.2;  // by which each cell is longer: `count` of them reach from 0 to 1
+  double growth = 1.2;  // ratio of lengths of neighbours: `count` of them reach from 0 to 1
   for (int i = 0; i < 200; ++i) growth = std::pow(1 + (growth - 1) / finest, 1.0 / count);
   const auto graded = [&](double share) {
     return finest * (std::pow(growth, share * count) - 1) / (growth - 1);

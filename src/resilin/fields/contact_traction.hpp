@@ -16,7 +16,7 @@ VectorX contact_traction(const World& world, const State& state);
 /// is pressed upon.
 VectorX contact_pressure(const World& world, const State& state);
 
-/// What a collider presses on, or a body on the one that is named before it.
+/// Surface on which a collider presses, or a body on the one that is named before it.
 struct ContactPatch {
   std::string collider;  ///< its name; empty: of two bodies
   Index body = -1;       ///< number of the body that is pressed on ...

@@ -17,7 +17,7 @@ struct LibraryMaterial {
   double youngs_modulus = 0;                ///< at small strain, of a sudden load [Pa]
   std::vector<double> g, tau;               ///< Prony series; empty: elastic [s]
   std::string range;                        ///< range of validity, in words
-  std::string about;                        ///< what it is
+  std::string about;                        ///< the material, in words
   std::string source;
 };
 

@@ -145,7 +145,7 @@ void Simulation::switch_supports_now() {
   };
   const double before = kinetic_energy();
   switch_supports(world_, state_, phase, gradient);
-  state_.dissipated_energy += before - kinetic_energy();  // what takes hold stops its vertices
+  state_.dissipated_energy += before - kinetic_energy();  // a support that takes hold stops its vertices
   if (world_.is_dynamic && state_.accelerations.size() > 0)
     state_.accelerations = accelerations_from(world_, state_, world_.time_step);
 }

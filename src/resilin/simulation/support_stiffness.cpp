@@ -37,7 +37,7 @@ class SupportTangent {
       if (found) p = std::move(*found);
       return found.has_value();
     };
-    // What the differences have missed is solved for once more.
+    // Residuals of the differences are solved for once more.
     for (int round = 0; round < 3 && world_.num_free_unknowns() > 0; ++round) {
       VectorX left = -times(motion);
       for (std::size_t i = 0; i < world_.is_fixed.size(); ++i)

@@ -35,7 +35,7 @@ std::string step_that_begins(const World& world, double begin) {
   return "";
 }
 
-/// What supports exert where they let go.
+/// Forces that supports exert where they let go.
 void renew_fading_forces(World& world, int phase, const VectorX& forces) {
   const std::optional<std::size_t> number = world.find_term({TermOrigin::Kind::release});
   if (!number) return;

@@ -70,7 +70,7 @@ struct TermOrigin {
     cable,
     viscous_damping,  ///< viscous damping of a domain
     mass_damping,
-    release  ///< what supports exert while they let go, in statics
+    release  ///< forces of supports while they let go, in statics
   };
   Kind kind;
   std::size_t number = 0;  ///< number of the load or the collider in the description, or of the body
