@@ -111,7 +111,7 @@ def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def _selection(of: FixReport) -> str:
+def _selection(of: FixReport | LoadReport) -> str:
     nodes = _count(of["nodes"], "node")
     unit = "m" if len(of["center"]) == 2 else "m^2"
     on = f"{_count(of['facets'], 'facet')} ({nodes}, {of['area']:.6g} {unit})" if of["facets"] else nodes
