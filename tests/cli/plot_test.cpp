@@ -56,10 +56,10 @@ TEST_F(Plots, WriteATableAndAPicture) {
 
 TEST_F(Plots, TellTheStepsAndTheContactOfColliders) {
   folder.write("out/report.json", R"({"status": "done", "title": "", "dimension": 2, "frames": [
-    {"step": 0, "time": 0.0, "step_name": "press"},
-    {"step": 1, "time": 1.0, "step_name": "press",
+    {"step": 0, "time": 0.0, "load": 1.0, "step_name": "press"},
+    {"step": 1, "time": 1.0, "load": 1.0, "step_name": "press",
      "collider_contacts": {"plate": {"force": [0.0, -3.0], "pressure": 5.0, "area": 0.5, "center": [1.0, 2.0]}}},
-    {"step": 2, "time": 2.0, "step_name": "hold & wait",
+    {"step": 2, "time": 2.0, "load": 1.0, "step_name": "hold & wait",
      "collider_contacts": {"plate": {"force": [0.0, -4.0], "pressure": 7.0, "area": 0.5, "center": [1.0, 2.0]}}}]})");
   const ProgramResult both =
       plot({"--y", "contact.plate.pressure", "--out", "c.csv", "--out", "c.svg", "--out", "c.png"});

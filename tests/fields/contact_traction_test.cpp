@@ -82,10 +82,11 @@ TEST(ContactPatches, OfABlockAtRestAreItsUnderside) {
       EXPECT_NEAR(patch.mean_pressure(), weight / area, 0.02 * weight / area);
       EXPECT_LT(patch.largest_pressure, 1.06 * weight / area);
       for (int k = 0; k < dimension - 1; ++k) {
-        EXPECT_NEAR(patch.center[k], 0.3, 1e-3);
+        EXPECT_NEAR(patch.center[k], 0.3, 4e-3);  // its sides bear a moment
         EXPECT_NEAR(patch.extent[k], 0.6, 1e-3);
       }
-      EXPECT_NEAR(patch.center[dimension - 1], 0, 1e-3);
+      const double sunk = is_on_a_body ? weight / area * 0.3 / 1e5 : 0;  // the base is compressed
+      EXPECT_NEAR(patch.center[dimension - 1], -sunk, 1e-3);
       EXPECT_NEAR(patch.extent[dimension - 1], 0, 1e-3);
     }
 }

@@ -161,7 +161,7 @@ TEST(Abaqus, WarnsOfNumbersInSetsThatAreOfNothing) {
   const MeshFile file = read_mesh_from_memory(
       "a.inp", tetrahedron + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*NSET, NSET=a\n1, 7, 8\n");
   EXPECT_EQ(group_size(file.mesh, "a"), 1u);
-  EXPECT_THAT(file.warnings, ::testing::ElementsAre(HasSubstr("2 numbers in sets, such as 7 in \"a\"")));
+  EXPECT_THAT(file.warnings, ::testing::ElementsAre(HasSubstr("2 ids in sets, such as 7 in \"a\"")));
 }
 
 }  // namespace

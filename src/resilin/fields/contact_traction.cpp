@@ -219,7 +219,8 @@ std::vector<PressingForces> forces_by_source(const World& world, const State& st
     const auto body_of = [&](std::size_t i) {
       return surface.parts.bodies[static_cast<std::size_t>(part.vertices[i])];
     };
-    const auto [low, high] = std::minmax(body_of(0), body_of(split));
+    const Index first = body_of(0), second = body_of(split);
+    const auto [low, high] = std::minmax(first, second);
     if (low == high) continue;
     VectorX& forces = of_bodies.try_emplace({low, high}, VectorX::Zero(state.positions.size())).first->second;
     for (std::size_t i = 0; i < static_cast<std::size_t>(num_vertices(part.kind)); ++i) {
