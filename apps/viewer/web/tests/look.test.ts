@@ -141,7 +141,7 @@ test("modes have their frequencies, swing and sound", async () => {
     await page.getByTestId("button-sound").click();
     assert.ok(Math.abs((await watched.value<number>("resilin.tone()")) / bending.frequency - 1) < 1e-9);
     await page.getByTestId("timeline").fill("1");
-    assert.match(await words.innerText(), /rigid body/);
+    assert.match(await words.innerText(), /rigid-body mode/);
     assert.equal(await watched.value("resilin.tone()"), null);
     const said = runProgram(
       "picture",
