@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 
 #include "resilin/mesh/facet.hpp"
 #include "resilin/optimize/true_tangent.hpp"

@@ -22,17 +22,13 @@ std::vector<std::int32_t> owners_in(World& world, int phase) {
   return supports_of_unknowns(world.dimension, world.num_nodes(), world.supports);
 }
 
-/// When the step ends that begins with a phase [s].
-double end_of_step(const World& world, double begin) {
-  for (const StepDescription& step : world.steps)
-    if (step.end > begin + time_slack(begin)) return step.end;
-  return world.end_time;
-}
-
-std::string step_that_begins(const World& world, double begin) {
-  for (const StepDescription& step : world.steps)
-    if (step.end > begin + time_slack(begin)) return step.name;
-  return "";
+/// The step that begins with a phase; null: none does.
+const StepDescription* step_that_begins(const World& world, int phase) {
+  if (phase == 0) return nullptr;
+  const double begin = world.switch_times[static_cast<std::size_t>(phase - 1)];
+  const auto found = std::ranges::find_if(
+      world.steps, [&](const StepDescription& step) { return step.end > begin + time_slack(begin); });
+  return found == world.steps.end() ? nullptr : &*found;
 }
 
 /// Forces that supports exert where they let go.
@@ -41,8 +37,11 @@ void renew_fading_forces(World& world, int phase, const VectorX& forces) {
   if (!number) return;
   ActiveTime fading;
   if (forces.size() > 0) {
-    const double begin = world.switch_times[static_cast<std::size_t>(phase - 1)];
-    fading.function.form = TimeFunction::Table{.times = {begin, end_of_step(world, begin)}, .values = {1, 0}};
+    const StepDescription* step = step_that_begins(world, phase);
+    fading.function.form =
+        TimeFunction::Table{.times = {world.switch_times[static_cast<std::size_t>(phase - 1)],
+                                      step == nullptr ? world.end_time : step->end},
+                            .values = {1, 0}};
   }
   VectorX own = forces.size() > 0 ? forces : VectorX::Zero(world.rest_positions.size());
   for (Index node = 0; node < world.num_nodes(); ++node)
@@ -129,13 +128,12 @@ void check_releases(const Description& description, World& world) {
         (world.contact || !world.colliders.empty() || !world.mesh_colliders.empty()))
       break;
     enter_phase(world, phase, {}, {});
-    const std::string step =
-        phase == 0 ? "" : step_that_begins(world, world.switch_times[static_cast<std::size_t>(phase - 1)]);
+    const StepDescription* step = step_that_begins(world, phase);
     try {
       check_is_held(world);
     } catch (const InputError& error) {
-      if (step.empty()) throw;
-      throw InputError("step \"" + step + "\"", error.what());
+      if (step == nullptr) throw;
+      throw InputError("step \"" + step->name + "\"", error.what());
     }
   }
   enter_phase(world, 0, {}, {});
