@@ -237,5 +237,26 @@ TEST(ShownSurface, IsTheMeshOfARigidBody) {
   }
 }
 
+TEST(ShownSurface, FindsTheNodesOfBodiesBehindARigidOne) {
+  Description scene = bar_of("P1", 3);
+  scene.fixes.clear();
+  scene.probes.clear();
+  scene.bodies[0].rigid = RigidDescription{.density = 1000};
+  scene.bodies[0].mesh = make_hexahedron_box({1, 1, 1}, {3, 3, 3});  // with vertices inside
+  scene.bodies[0].element.clear();
+  BodyDescription soft = bar_of("P1", 3).bodies[0];
+  soft.name = "soft";
+  soft.translate = {0, 5, 0};
+  scene.bodies.push_back(soft);
+  const World world(scene);
+  const ShownSurface surface(world);
+  ASSERT_GT(surface.parts()[0].num_inside, 0);
+  for (Index node = world.bodies[1].first_node; node < world.num_nodes(); ++node) {
+    const std::optional<Index> vertex = surface.vertex_of(node);
+    ASSERT_TRUE(vertex) << node;
+    EXPECT_EQ(surface.material_point(*vertex).nodes, std::vector<Index>{node});
+  }
+}
+
 }  // namespace
 }  // namespace resilin::testing

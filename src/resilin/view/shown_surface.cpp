@@ -260,6 +260,7 @@ std::optional<Index> ShownSurface::vertex_of(Index node) const {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     if (const auto nearest = sources_[p].nearest.find(node); nearest != sources_[p].nearest.end())
       return parts_[p].first_vertex + nearest->second;
+    if (sources_[p].carrier) continue;  // its vertices are no nodes
     const auto& nodes = sources_[p].nodes;
     const auto inside = nodes.end() - parts_[p].num_inside;  // both halves rise
     for (const auto& [begin, end] : {std::pair(nodes.begin(), inside), std::pair(inside, nodes.end())}) {
