@@ -117,15 +117,15 @@ def write_data(path, parameters, table):
 
 
 def draw(path, parameters, table):
-    """Stiffness over the share of the holes in the area."""
-    share = np.pi * parameters[:, 0] ** 2 * parameters[:, 1]
+    """Stiffness over the area fraction of the holes."""
+    fraction = np.pi * parameters[:, 0] ** 2 * parameters[:, 1]
     figure, ax = plt.subplots(figsize=(7, 4.5), layout="constrained")
     flatness = parameters[:, 1]
-    points = ax.scatter(share, stiffness(table, 1), c=flatness, s=18, label=f"{100 * STRETCH / 3:.0f} % stretch")
-    ax.scatter(share, stiffness(table, -1), c=flatness, s=18, marker="x", label=f"{100 * STRETCH:.0f} % stretch")
+    points = ax.scatter(fraction, stiffness(table, 1), c=flatness, s=18, label=f"{100 * STRETCH / 3:.0f} % stretch")
+    ax.scatter(fraction, stiffness(table, -1), c=flatness, s=18, marker="x", label=f"{100 * STRETCH:.0f} % stretch")
     few = np.linspace(0, 0.12)
-    ax.plot(few, 1 / (1 + 3 * few), "k--", lw=1, label="few round holes: 1 / (1 + 3 share)")
-    ax.set(xlabel="share of the holes in the area", ylabel="stiffness / that of a solid sheet", ylim=(0, 1.05))
+    ax.plot(few, 1 / (1 + 3 * few), "k--", lw=1, label="few round holes: 1 / (1 + 3 fraction)")
+    ax.set(xlabel="area fraction of the holes", ylabel="stiffness / stiffness of a solid sheet", ylim=(0, 1.05))
     ax.legend()
     figure.colorbar(points, label="height of the holes / width")
     figure.savefig(path, dpi=120)
