@@ -10,7 +10,9 @@
 #include "every_integrator.hpp"
 #include "reference_case.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/element/axisymmetric.hpp"
 #include "resilin/fields/evaluator.hpp"
+#include "resilin/mesh/round_generators.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "small_scenes.hpp"
 
@@ -135,6 +137,32 @@ TEST_P(ViscoelasticReference, StepsAreThoseOfTheUpdateRule) {
     expect_stretches(simulation, row, 1e-9);
     const double P = row["P11"];
     EXPECT_NEAR(reaction(simulation.frame(), "pulled", 0), P, 1e-9 * P);
+  }
+}
+
+/// A cylinder of 1 m, pulled along its axis, has the stretches of the cube and pi times its force.
+TEST_P(ViscoelasticReference, StepsOfACylinderAreThoseOfTheUpdateRule) {
+  for (const char* element : {"P1", "P2", "P2P0", "Q1", "Q1P0"}) {
+    SCOPED_TRACE(element);
+    Description scene = cube(2, 20);
+    scene.dimension = 2;
+    scene.bodies[0].mesh =
+        element[0] == 'Q' ? make_quadrilateral_rectangle({1, 1}, {2, 2}) : make_rectangle({1, 1}, {2, 2});
+    scene.bodies[0].element = axisymmetric_name(element);
+    scene.fixes = {fix("held", plane(1, 0)), fix("pulled", plane(1, 1))};
+    for (FixDescription& end : scene.fixes) end.components = {false, true, false};
+    scene.fixes[1].displacement = {0, 0.8, 0};
+    scene.fixes[1].time_function = table({0, 1, 2}, {0, 1, 1});
+    scene.probes = {probe("corner", {1, 1, 0})};
+    Simulation simulation(scene);
+    for (const auto& row : rows("time_discrete")["linear"]) {
+      step_to(simulation, row["t"]);
+      const Vector3 displacement = simulation.frame().probes[0].displacement;
+      EXPECT_NEAR(1 + displacement.y(), row["stretch"].get<double>(), 1e-9);
+      EXPECT_NEAR(1 + displacement.x(), row["lateral_stretch"].get<double>(), 1e-9);
+      const double force = std::numbers::pi * row["P11"].get<double>();
+      EXPECT_NEAR(reaction(simulation.frame(), "pulled", 1), force, 1e-9 * force);
+    }
   }
 }
 
@@ -273,6 +301,67 @@ TEST(ViscoelasticStrip, CreepsAndComesBackAsInAnotherCode) {
   }
 }
 
+/// A bushing between sleeves, a quarter of it in 3D and its half section: the inner sleeve moves along the
+/// axis at once and stays.
+Description relaxing_bushing(bool is_section, ViscoelasticForm formulation) {
+  Description scene;
+  scene.dimension = is_section ? 2 : 3;
+  scene.end_time = 2;
+  scene.load_steps = 8;
+  BodyDescription body;
+  body.element = is_section ? axisymmetric_name("Q1P0") : "Q1P0";
+  body.mesh = is_section ? make_quadrilateral_rectangle({1, 1.5}, {4, 4})
+                         : make_round({.kind = RoundKind::tube,
+                                       .radius = 2,
+                                       .inner_radius = 1,
+                                       .height = 1.5,
+                                       .degrees = 90,
+                                       .radial_cells = 4,
+                                       .around_cells = 16,
+                                       .axial_cells = 4,
+                                       .is_cut = false});
+  if (is_section) body.translate = {1, 0, 0};
+  body.material.law = "neo_hookean_isochoric";
+  body.material.constants = {{"shear_modulus", 1e5}, {"bulk_modulus", 2e6}};
+  body.material.viscoelastic = prony({0.3, 0.2}, {0.1, 1});
+  body.material.viscoelastic->formulation = formulation;
+  scene.bodies.push_back(std::move(body));
+  scene.fixes = {fix("outer", is_section ? plane(0, 2) : group("outer")),
+                 fix("inner", is_section ? plane(0, 1) : group("inner"))};
+  scene.fixes[1].displacement[is_section ? 1 : 2] = 0.4;
+  scene.fixes[1].time_function = table({0, 0.25}, {0, 1});
+  if (!is_section) {
+    for (const bool is_start : {true, false}) {
+      FixDescription side = fix(is_start ? "start" : "end", plane(is_start ? 1 : 0, 0));
+      side.components = {!is_start, is_start, false};
+      scene.fixes.push_back(side);
+    }
+  }
+  return scene;
+}
+
+TEST(Viscoelasticity, OfAHalfSectionIsThatOfTheSolid) {
+  for (const ViscoelasticForm formulation :
+       {ViscoelasticForm::simo, ViscoelasticForm::iso, ViscoelasticForm::whole}) {
+    SCOPED_TRACE(spelling(formulation));
+    Simulation solid(relaxing_bushing(false, formulation)), section(relaxing_bushing(true, formulation));
+    double first = 0;
+    for (const double time : {0.25, 2.0}) {
+      step_to(solid, time);
+      step_to(section, time);
+      const double of_solid = 4 * reaction(solid.frame(), "inner", 2);
+      const double force = reaction(section.frame(), "inner", 1);
+      EXPECT_NEAR(force, of_solid, 5e-3 * force) << "a polygon of 64 sides is not the ring";
+      const double heat = section.frame().dissipated_energy;
+      EXPECT_NEAR(heat, 4 * solid.frame().dissipated_energy, 5e-3 * heat);
+      if (first == 0)
+        first = force;
+      else
+        EXPECT_LT(force, 0.8 * first);
+    }
+  }
+}
+
 // ---- any term with internal variables
 
 /// A viscoelastic bar that falls into its weight.
@@ -287,6 +376,7 @@ Description creeping_bar(int dimension, bool is_dynamic, const std::string& elem
 
 TEST(Viscoelasticity, GoesOnFromACheckpointInTheSameBits) {
   expect_same_bits_after_a_checkpoint(creeping_bar(2, false), 4);
+  expect_same_bits_after_a_checkpoint(relaxing_bushing(true, ViscoelasticForm::simo), 4);
   for (const std::string& integrator : integrator_names()) {
     Description scene = creeping_bar(3, true);
     scene.integrator = integrator;

@@ -11,6 +11,7 @@
 
 #include "resilin/core/determinant.hpp"
 #include "resilin/core/parallel.hpp"
+#include "resilin/energy/axisymmetric_blocks.hpp"
 #include "resilin/energy/kernels/overstress_kernels.hpp"
 #include "resilin/energy/tile_sum.hpp"
 #include "resilin/material/kernels/point_kernels.hpp"
@@ -89,7 +90,10 @@ class Overstress {
       : body_(body),
         rows_(std::move(rows)),
         is_isochoric_(form == ViscoelasticForm::simo),
-        kernels_(overstress_kernels(body.element().dim, body.element().num_nodes, body.instruction_set())),
+        kernels_(
+            is_axisymmetric(body.tiles().blocks)
+                ? axisymmetric_overstress_kernels(body.element().num_nodes, body.instruction_set())
+                : overstress_kernels(body.element().dim, body.element().num_nodes, body.instruction_set())),
         all_blocks_(body.tiles().blocks.num_blocks) {
     std::iota(all_blocks_.begin(), all_blocks_.end(), 0);
   }

@@ -55,11 +55,6 @@ void check_axisymmetry(const Description& d) {
     if (body.skin) refuse(body.skin->place, "a skin", "leave the skin out");
     if (body.damping.stiffness != 0 || body.damping.shear_viscosity != 0 || body.damping.bulk_viscosity != 0)
       refuse(body.place + ".damping", "stiffness-proportional or viscous damping", "use damping.mass");
-    const auto is_viscoelastic = [](const MaterialDescription& of) { return of.viscoelastic.has_value(); };
-    if (is_viscoelastic(body.material) || std::ranges::any_of(body.regions, [&](const auto& region) {
-          return is_viscoelastic(region.material);
-        }))
-      refuse(body.place + ".material", "a viscoelastic material", "leave viscoelastic out or take 3D");
   }
   for (const ColliderDescription& collider : d.colliders)
     if (collider.rotate)

@@ -31,4 +31,10 @@ const OverstressKernels& overstress_kernels(int dim, int num_nodes, InstructionS
       set, [dim, num_nodes]<InstructionSet s>() { return &compiled_overstress_kernels<s>(dim, num_nodes); });
 }
 
+const OverstressKernels& axisymmetric_overstress_kernels(int num_nodes, InstructionSet set) {
+  return *CompiledSets::kernels(set, [num_nodes]<InstructionSet s>() {
+    return &compiled_axisymmetric_overstress_kernels<s>(num_nodes);
+  });
+}
+
 }  // namespace resilin

@@ -5,6 +5,7 @@
 #include "resilin/core/simd_svd.hpp"
 #include "resilin/energy/kernels/node_counts.hpp"
 #include "resilin/energy/kernels/point_gradients.hpp"
+#include "resilin/energy/kernels/ring_point.hpp"
 
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 namespace {
@@ -88,6 +89,43 @@ RESILIN_INLINE std::size_t num_points(const QuadratureTile& tile) {
   return num_nodes == dim + 1 ? 1 : tile.num_points;
 }
 
+/// Density at F + D less that at F.
+template <int dim>
+RESILIN_INLINE Lanes change_of_density(const Lanes F[], const Lanes D[], const History<dim>& history,
+                                       bool is_isochoric) {
+  constexpr int n = dim * dim;
+  Lanes mean[n], cof[n], twice_mean_H[n];
+  for (int i = 0; i < n; ++i) mean[i] = F[i] + 0.5 * D[i];
+  // det(M + D/2) - det(M - D/2) = cof(M):D + det(D)/4 in 3D, M being the mean
+  cofactors<dim>(mean, cof);
+  Lanes change_of_J = dot<n>(cof, D);
+  if constexpr (dim == 3) {
+    Lanes cof_D[n];
+    cofactors<dim>(D, cof_D);
+    change_of_J += 0.25 * dot<dim>(D, cof_D);
+  }
+  const Overstress<dim> before(F, history, is_isochoric);
+  Lanes change_of_s = 0.0;
+  if (is_isochoric) change_of_s = before.s * expm1((-2.0 / 3.0) * log1p(change_of_J / before.J));
+  // C:H at the end less that at the start is D:((F + F + D) H)
+  multiply<dim>(mean, history.H, twice_mean_H);
+  const Lanes change_of_t = 2.0 * dot<n>(D, twice_mean_H);
+  return 0.5 * ((before.s + change_of_s) * change_of_t + change_of_s * before.t);
+}
+
+/// Absolute values of the parts of the density.
+template <int dim>
+RESILIN_INLINE Lanes magnitude_of_density(const Lanes F[], const History<dim>& history, bool is_isochoric) {
+  Lanes sum = abs(history.zz);
+  for (int i = 0; i < dim; ++i)
+    for (int k = 0; k < dim; ++k) {
+      Lanes C = F[i] * F[k];
+      for (int m = 1; m < dim; ++m) C += F[dim * m + i] * F[dim * m + k];
+      sum += abs(C * history.H[dim * i + k]);
+    }
+  return 0.5 * Overstress<dim>(F, history, is_isochoric).s * sum;
+}
+
 template <int dim, int num_nodes>
 void add_differences(const QuadratureTile& tile, const OverstressRows& all, const double* from,
                      const double* to, EnergySum& total) {
@@ -100,26 +138,11 @@ void add_differences(const QuadratureTile& tile, const OverstressRows& all, cons
       for (int i = 0; i < dim; ++i) change[a][i] -= u[a][i];
     for (std::size_t q = 0; q < num_points<num_nodes, dim>(tile); ++q) {
       const History<dim> history(all, at, q);
-      Lanes dxi_dX[n], F[n], D[n], mean[n], cof[n], twice_mean_H[n];
+      Lanes dxi_dX[n], F[n], D[n];
       at.inverse_jacobian(q, dxi_dX);
       shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
       gradient_at<dim, num_nodes>(at, q, change, dxi_dX, D);
-      for (int i = 0; i < n; ++i) mean[i] = F[i] + 0.5 * D[i];
-      // det(M + D/2) - det(M - D/2) = cof(M):D + det(D)/4 in 3D, M being the mean
-      cofactors<dim>(mean, cof);
-      Lanes change_of_J = dot<n>(cof, D);
-      if constexpr (dim == 3) {
-        Lanes cof_D[n];
-        cofactors<dim>(D, cof_D);
-        change_of_J += 0.25 * dot<dim>(D, cof_D);
-      }
-      const Overstress<dim> before(F, history, all.is_isochoric);
-      Lanes change_of_s = 0.0;
-      if (all.is_isochoric) change_of_s = before.s * expm1((-2.0 / 3.0) * log1p(change_of_J / before.J));
-      // C:H at the end less that at the start is D:((F + F + D) H)
-      multiply<dim>(mean, history.H, twice_mean_H);
-      const Lanes change_of_t = 2.0 * dot<n>(D, twice_mean_H);
-      part += at.weight(q) * (0.5 * ((before.s + change_of_s) * change_of_t + change_of_s * before.t));
+      part += at.weight(q) * change_of_density<dim>(F, D, history, all.is_isochoric);
     }
     add_to_sum(part, at.lane, total);
   });
@@ -134,16 +157,10 @@ void add_magnitudes(const QuadratureTile& tile, const OverstressRows& all, const
     gather_differences<dim, num_nodes>(at, displacements, u);
     for (std::size_t q = 0; q < num_points<num_nodes, dim>(tile); ++q) {
       const History<dim> history(all, at, q);
-      Lanes dxi_dX[n], F[n], sum = abs(history.zz);
+      Lanes dxi_dX[n], F[n];
       at.inverse_jacobian(q, dxi_dX);
       shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
-      for (int i = 0; i < dim; ++i)
-        for (int k = 0; k < dim; ++k) {
-          Lanes C = F[i] * F[k];
-          for (int m = 1; m < dim; ++m) C += F[dim * m + i] * F[dim * m + k];
-          sum += abs(C * history.H[dim * i + k]);
-        }
-      part += at.weight(q) * (0.5 * Overstress<dim>(F, history, all.is_isochoric).s * sum);
+      part += at.weight(q) * magnitude_of_density<dim>(F, history, all.is_isochoric);
     }
     add_to_sum(part, at.lane, total);
   });
@@ -245,6 +262,145 @@ void add_matrices(const QuadratureTile& tile, const OverstressRows& all, const d
                                   });
 }
 
+// ---- axisymmetric solids: states in three dimensions, nodes with two numbers
+
+/// Vectors of the nodes.
+template <int num_nodes>
+RESILIN_INLINE void gather_all(const Group<2, num_nodes>& at, const double* numbers, Lanes u[num_nodes][2]) {
+  for (int a = 0; a < num_nodes; ++a) gather<2>(numbers, at.nodes(a), u[a]);
+}
+
+template <int num_nodes>
+void add_ring_differences(const QuadratureTile& tile, const OverstressRows& all, const double* from,
+                          const double* to, EnergySum& total) {
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    Lanes u[num_nodes][2], change[num_nodes][2], part = 0.0;
+    gather_all<num_nodes>(at, from, u);
+    gather_all<num_nodes>(at, to, change);
+    for (int a = 0; a < num_nodes; ++a)
+      for (int i = 0; i < 2; ++i) change[a][i] -= u[a][i];
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      const RingPoint<num_nodes> point(at, q);
+      Lanes F[9], D[9];
+      point.gradient(u, F);
+      add_identity<3>(F);
+      point.gradient(change, D);
+      part += at.weight(q) * change_of_density<3>(F, D, History<3>(all, at, q), all.is_isochoric);
+    }
+    add_to_sum(part, at.lane, total);
+  });
+}
+
+template <int num_nodes>
+void add_ring_magnitudes(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
+                         EnergySum& total) {
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    Lanes u[num_nodes][2], part = 0.0;
+    gather_all<num_nodes>(at, displacements, u);
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      Lanes F[9];
+      RingPoint<num_nodes>(at, q).gradient(u, F);
+      add_identity<3>(F);
+      part += at.weight(q) * magnitude_of_density<3>(F, History<3>(all, at, q), all.is_isochoric);
+    }
+    add_to_sum(part, at.lane, total);
+  });
+}
+
+template <int num_nodes>
+void add_ring_forces(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
+                     bool is_magnitude, const OwnedNodes& owned, double* forces) {
+  for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
+    Lanes u[num_nodes][2], f[num_nodes][2];
+    gather_all<num_nodes>(at, displacements, u);
+    for (auto& node_force : f)
+      for (Lanes& component : node_force) component = 0.0;
+    for (std::size_t q = 0; q < tile.num_points; ++q) {
+      const RingPoint<num_nodes> point(at, q);
+      Lanes F[9], P[9];
+      point.gradient(u, F);
+      add_identity<3>(F);
+      const Overstress<3> here(F, History<3>(all, at, q), all.is_isochoric);
+      const Lanes third = (1.0 / 3.0) * here.t;
+      for (int i = 0; i < 9; ++i) P[i] = here.Q[i] - third * here.n[i];
+      point.add_forces(at.weight(q) * here.s, P, f);
+    }
+    if (is_magnitude)
+      for (auto& node_force : f)
+        for (Lanes& component : node_force) component = abs(component);
+    for (int a = 0; a < num_nodes; ++a)
+      scatter_add<2>(f[a], at.nodes(a), [&](std::int32_t node) { return owns(owned, node); }, forces);
+  });
+}
+
+/// As `add_element_matrix`, with the hoop entry h of each node beside g.
+template <int num_nodes>
+RESILIN_INLINE void add_ring_matrix(const Group<2, num_nodes>& at, const OverstressRows& all,
+                                    const double* displacements, double removed,
+                                    ElementHessian<2, num_nodes>& K) {
+  Lanes u[num_nodes][2];
+  gather_all<num_nodes>(at, displacements, u);
+  for (std::size_t q = 0; q < at.tile.num_points; ++q) {
+    const RingPoint<num_nodes> point(at, q);
+    History<3> history(all, at, q);
+    Lanes F[9];
+    point.gradient(u, F);
+    add_identity<3>(F);
+    const Overstress<3> here(F, history, all.is_isochoric);
+    const Lanes scale = at.weight(q) * here.s;
+    if (removed > 0) project<3>(removed, history.H);
+    const Lanes* H = history.H;
+    for (int b = 0; b < num_nodes; ++b) {
+      const Lanes Hg[2] = {scale * (H[0] * point.g[b][0] + H[1] * point.g[b][1]),
+                           scale * (H[3] * point.g[b][0] + H[4] * point.g[b][1])};
+      for (int a = 0; a <= b; ++a) {
+        const Lanes common = dot<2>(point.g[a], Hg);
+        Lanes* block = K[pair_index(num_nodes, a, b)];
+        block[0] += common + scale * (H[8] * point.h[a] * point.h[b]);
+        block[3] += common;
+      }
+    }
+    if (removed > 0 || !all.is_isochoric) continue;
+    Lanes normal[num_nodes][2], whole[num_nodes][2], pull[num_nodes][2];
+    for (int a = 0; a < num_nodes; ++a) {
+      point.contract(here.n, a, whole[a]);
+      point.contract(here.Q, a, pull[a]);
+      normal[a][0] = whole[a][0] - here.n[8] * point.h[a];
+      normal[a][1] = whole[a][1];
+    }
+    const Lanes third = (1.0 / 3.0) * here.t, hoop = here.n[8] * here.n[8];
+    for (int b = 0; b < num_nodes; ++b)
+      for (int a = 0; a <= b; ++a) {
+        Lanes* block = K[pair_index(num_nodes, a, b)];
+        for (int i = 0; i < 2; ++i)
+          for (int k = 0; k < 2; ++k)
+            block[2 * i + k] +=
+                scale *
+                (third * normal[b][i] * normal[a][k] -
+                 (2.0 / 3.0) * (whole[a][i] * (pull[b][k] - third * whole[b][k]) + pull[a][i] * whole[b][k]));
+        block[0] += scale * (third * hoop * point.h[a] * point.h[b]);
+      }
+  }
+  for (int a = 0; a < num_nodes; ++a) make_symmetric<2>(K[pair_index(num_nodes, a, a)]);
+}
+
+template <int num_nodes>
+void add_ring_matrices(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
+                       double removed, double* out_rows) {
+  add_to_matrices<2, num_nodes>(tile, out_rows,
+                                [&](const Group<2, num_nodes>& at, ElementHessian<2, num_nodes>& K) {
+                                  add_ring_matrix<num_nodes>(at, all, displacements, removed, K);
+                                });
+}
+
+template <int num_nodes>
+constexpr OverstressKernels ring_kernels = {add_ring_differences<num_nodes>, add_ring_magnitudes<num_nodes>,
+                                            add_ring_forces<num_nodes>, add_ring_matrices<num_nodes>};
+
+const OverstressKernels& kernels_of_rings(int num_nodes) {
+  return num_nodes == 3 ? ring_kernels<3> : num_nodes == 4 ? ring_kernels<4> : ring_kernels<6>;
+}
+
 template <int dim, int num_nodes>
 constexpr OverstressKernels kernels = {add_differences<dim, num_nodes>, add_magnitudes<dim, num_nodes>,
                                        add_forces<dim, num_nodes>, add_matrices<dim, num_nodes>};
@@ -272,5 +428,12 @@ const OverstressKernels& compiled_overstress_kernels(int dim, int num_nodes) {
 }
 template const OverstressKernels& compiled_overstress_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int,
                                                                                                       int);
+
+template <InstructionSet>
+const OverstressKernels& compiled_axisymmetric_overstress_kernels(int num_nodes) {
+  return RESILIN_SIMD_NAMESPACE::kernels_of_rings(num_nodes);
+}
+template const OverstressKernels&
+compiled_axisymmetric_overstress_kernels<InstructionSet::RESILIN_SIMD_NAMESPACE>(int);
 
 }  // namespace resilin

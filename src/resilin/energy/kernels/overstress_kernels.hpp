@@ -46,7 +46,13 @@ struct OverstressKernels {
 
 const OverstressKernels& overstress_kernels(int dim, int num_nodes, InstructionSet set);
 
+/// Likewise for axisymmetric solids (axisymmetric_kernels.hpp), for which the rows of a matrix sum to
+/// nothing.
+const OverstressKernels& axisymmetric_overstress_kernels(int num_nodes, InstructionSet set);
+
 template <InstructionSet set>
 const OverstressKernels& compiled_overstress_kernels(int dim, int num_nodes);
+template <InstructionSet set>
+const OverstressKernels& compiled_axisymmetric_overstress_kernels(int num_nodes);
 
 }  // namespace resilin

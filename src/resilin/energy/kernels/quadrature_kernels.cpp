@@ -4,6 +4,7 @@
 #include "resilin/energy/kernels/axisymmetric_kernels.hpp"
 #include "resilin/energy/kernels/node_counts.hpp"
 #include "resilin/energy/kernels/quadrature_group.hpp"
+#include "resilin/energy/kernels/ring_point.hpp"
 
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 namespace {
@@ -320,31 +321,6 @@ const QuadratureKernels* find(int num_nodes, std::integer_sequence<int, counts..
 /// Entries of the displacement gradient that nodes of axisymmetric solids make: rr, rz, zr, zz, hoop.
 constexpr int ring_entries[] = {0, 1, 3, 4, 8};
 
-/// dN_a/dX by r and z, and N_a/R, at a point of axisymmetric cells.
-template <int num_nodes>
-struct RingPoint {
-  Lanes g[num_nodes][2], h[num_nodes];
-
-  RESILIN_INLINE RingPoint(const Group<2, num_nodes>& at, std::size_t point) {
-    Lanes rows[5];
-    load_rows(
-        at.tile.inverse_jacobians + (at.block * at.tile.num_points + point) * (5 * block_size) + at.lane, 5,
-        rows);
-    const double* N = at.tile.reference_gradients + point * (3 * num_nodes);
-    for (int a = 0; a < num_nodes; ++a, N += 3) {
-      for (int k = 0; k < 2; ++k) g[a][k] = N[0] * rows[k] + N[1] * rows[2 + k];
-      h[a] = N[2] * rows[4];
-    }
-  }
-  /// Adds w P : dH/dx_a to the forces of the nodes.
-  RESILIN_INLINE void add_forces(Lanes w, const Lanes P[9], Lanes f[num_nodes][2]) const {
-    for (int a = 0; a < num_nodes; ++a) {
-      f[a][0] += w * (P[0] * g[a][0] + P[1] * g[a][1] + P[8] * h[a]);
-      f[a][1] += w * (P[3] * g[a][0] + P[4] * g[a][1]);
-    }
-  }
-};
-
 template <int num_nodes>
 void ring_gradients(const QuadratureTile& tile, const double* displacements, double* H_rows) {
   for_groups<2, num_nodes>(tile, [&](const Group<2, num_nodes>& at) {
@@ -353,12 +329,7 @@ void ring_gradients(const QuadratureTile& tile, const double* displacements, dou
     for (std::size_t q = 0; q < tile.num_points; ++q) {
       const RingPoint<num_nodes> point(at, q);
       Lanes H[9];
-      for (Lanes& entry : H) entry = 0.0;
-      for (int a = 0; a < num_nodes; ++a) {
-        for (int i = 0; a > 0 && i < 2; ++i)
-          for (int k = 0; k < 2; ++k) H[3 * i + k] += (u[a][i] - u[0][i]) * point.g[a][k];
-        H[8] += u[a][0] * point.h[a];
-      }
+      point.gradient(u, H);
       store_rows(H, 9, H_rows + at.row(q, 9));
     }
   });
