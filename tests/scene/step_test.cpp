@@ -286,6 +286,59 @@ TEST(Steps, ReleaseASupportWhoseForceFadesInStatics) {
   EXPECT_EQ(bar.frame().step_name, "unload");
 }
 
+/// What a load has left of reactions after it went is rounding, which no search could balance.
+TEST(Steps, ReleaseASupportWhoseForceIsRounding) {
+  Simulation strip(read_text(R"(
+[simulation]
+dimension = 2
+load_steps = 3
+
+[[body]]
+name = "strip"
+mesh = { box = { size = [0.024995406216807046, 0.0062488515542017615], cells = [4, 2] } }
+material = { law = "neo_hookean", youngs_modulus = 340176.82404949534, poissons_ratio = 0.3, density = 1000 }
+
+[[fix]]
+name = "wall"
+where = { group = "x_min" }
+
+[[fix]]
+name = "far"
+where = { group = "x_max" }
+
+[[fix]]
+name = "top"
+where = { group = "y_max" }
+
+[[load]]
+name = "shear"
+kind = "traction"
+where = { group = "y_min" }
+value = [886.2370884199961, -284.26714584240426]
+
+[[step]]
+name = "load"
+activate = ["load.shear"]
+
+[[step]]
+name = "unload"
+deactivate = ["load.shear"]
+
+[[step]]
+name = "let go"
+deactivate = ["fix.far", "fix.top"]
+
+[newton]
+tolerance = 1e-10
+)")
+                       .description);
+  step_to(strip, 1);
+  EXPECT_GT(reaction_of(strip, "top").norm(), 1);
+  step_to(strip, 3);
+  EXPECT_EQ(reaction_of(strip, "top").norm(), 0);
+  EXPECT_LT((strip.state().positions - strip.world().rest_positions).cwiseAbs().maxCoeff(), 1e-15);
+}
+
 /// The grip takes over what the load has held.
 TEST(Steps, HoldASupportFromALaterStepOn) {
   std::string text = changed(pulled_bar, "displacement = [0.3, 0, 0]", "");

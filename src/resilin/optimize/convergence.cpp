@@ -12,9 +12,6 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double surely_small = 1e-6;  ///< relative to the load: rounding is then looked at
-constexpr double largest_rounding =
-    1e-4;  ///< relative to the load: a larger residual is no balance, rounding or not
-
 }  // namespace
 
 void Convergence::measure(const VectorX& x, const VectorX& gradient) {
@@ -93,6 +90,17 @@ Index Convergence::worst_unknown() const {
   return share.smallest(has_largest ? rank : infinity) == rank ? worst : -1;
 }
 
+void Convergence::look_at_rounding(const VectorX& diagonal) {
+  objective_->gradient_magnitude(*x_, rounding_);
+  const Eigen::Index dim = x_->size() / parts_->num_nodes();
+  if (diagonal.size() == x_->size()) {
+    const VectorX reach = parts_->largest(*x_);
+    for (Eigen::Index i = 0; i < rounding_.size(); ++i)
+      rounding_[i] += diagonal[i] * reach[parts_->of_node(static_cast<Index>(i / dim))];
+  }
+  rounding_ *= 10 * epsilon;
+}
+
 Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_closer) {
   if (!is_finite()) return Verdict::not_finite;
   std::vector<Index> doubtful;
@@ -109,12 +117,7 @@ Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_clo
     const double of_positions = knows_diagonal ? 1e3 * epsilon * stiffness[part] * reach[part] : 0;
     if (!look_closer && !(residuals_[part] <= std::max(small, of_positions))) return Verdict::no;
   }
-  objective_->gradient_magnitude(*x_, rounding_);
-  const Eigen::Index dim = x_->size() / parts_->num_nodes();
-  if (knows_diagonal)
-    for (Eigen::Index i = 0; i < rounding_.size(); ++i)
-      rounding_[i] += diagonal[i] * reach[parts_->of_node(static_cast<Index>(i / dim))];
-  rounding_ *= 10 * epsilon;
+  look_at_rounding(diagonal);
   const VectorX roundings = parts_->norms(rounding_, is_fixed_, Unknowns::free);
   const VectorX excess = (gradient_->cwiseAbs() - rounding_).cwiseMax(0.0);
   const VectorX beyond_rounding = parts_->norms(excess, is_fixed_, Unknowns::free);

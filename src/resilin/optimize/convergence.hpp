@@ -8,6 +8,9 @@
 
 namespace resilin {
 
+/// Relative to the load: a larger residual is no balance, rounding or not.
+constexpr double largest_rounding = 1e-4;
+
 /// Judges whether forces balance, part by part: each in the forces that act on it and in its own round-off,
 /// so that the verdict on one does not depend on what else is in the scene, or touches it.
 /// docs/theory/stopping.md.
@@ -39,8 +42,10 @@ class Convergence {
   ///                  as long as it is unknown
   /// @param look_closer  at rounding, even where it is not expected to matter
   Verdict verdict(const VectorX& diagonal, bool look_closer = false);
-  /// Bound of the rounding of each force, where `verdict` looked at it; else empty [N].
+  /// Bound of the rounding of each force, where `verdict` or `look_at_rounding` looked at it; else empty [N].
   const VectorX& rounding() const { return rounding_; }
+  /// @param diagonal  as above
+  void look_at_rounding(const VectorX& diagonal);
   bool is_finite() const { return residuals_.allFinite() && scales_.allFinite(); }
 
   /// Largest residual of a part relative to the forces that act there [N]. For a part of which

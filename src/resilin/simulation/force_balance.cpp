@@ -254,10 +254,6 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   return {};
 }
 
-namespace {
-
-/// Bound of the rounding of sums and of positions for each force in an equilibrium (docs/theory/stopping.md,
-/// S.2); empty where nothing is left [N].
 VectorX rounding_of_forces(const World& world, const Potential& potential, const Parts& parts,
                            const VectorX& x, const VectorX& gradient) {
   BlockMatrix hessian(world.dimension, world.pattern);
@@ -265,11 +261,21 @@ VectorX rounding_of_forces(const World& world, const Potential& potential, const
   if (world.constraints) world.constraints->dependents.reduce(hessian);
   Convergence balance(potential, world.is_fixed, parts, /*tolerance=*/0);
   balance.measure(x, gradient);
-  balance.verdict(free_diagonal(hessian, world.is_fixed, world.share), /*look_closer=*/true);
+  balance.look_at_rounding(free_diagonal(hessian, world.is_fixed, world.share));
   return balance.rounding();
 }
 
-}  // namespace
+void drop_rounding(const World& world, const Potential& potential, const VectorX& x, VectorX& gradient) {
+  const Parts parts(*world.pattern, world.share);
+  const VectorX roundings =
+      parts.norms(rounding_of_forces(world, potential, parts, x, gradient), world.is_fixed, Unknowns::all);
+  const VectorX forces = parts.norms(gradient, world.is_fixed, Unknowns::fixed);
+  for (Index node = 0; node < world.num_nodes(); ++node) {
+    const Index part = parts.of_node(node);
+    if (largest_rounding * forces[part] <= roundings[part])
+      gradient.segment(Eigen::Index{node} * world.dimension, world.dimension).setZero();
+  }
+}
 
 std::vector<std::string> describe_lost_digits(const World& world, const State& state) {
   const VectorX& x = state.positions;
@@ -292,7 +298,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
     load = world.share.largest(load);
     if (load == 0 || forces[b].gap() <= notable * std::max(load, forces[b].scale)) continue;
     if (!rounding) rounding = rounding_of_forces(world, potential, parts, x, gradient);
-    const bool is_rounding = rounding->size() == 0 || forces[b].gap() <= rounding_of(world, body, *rounding);
+    const bool is_rounding = forces[b].gap() <= rounding_of(world, body, *rounding);
     texts.push_back(gap_text(body, forces[b]) + (is_rounding ? ": the positions have no digits for less"
                                                              : ": a smaller newton.tolerance leaves less"));
   }

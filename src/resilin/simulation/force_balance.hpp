@@ -56,6 +56,14 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
                                const VectorX& gradient, const NewtonReport& report,
                                const VectorX& displacement = {});
 
+/// Bound of the rounding of sums and of positions for each force in an equilibrium (docs/theory/stopping.md,
+/// S.2) [N].
+VectorX rounding_of_forces(const World& world, const Potential& potential, const Parts& parts,
+                           const VectorX& x, const VectorX& gradient);
+
+/// Sets forces to zero in the parts whose supports exert less than rounding lets a search balance.
+void drop_rounding(const World& world, const Potential& potential, const VectorX& x, VectorX& gradient);
+
 /// An equilibrium whose bodies are farther out of balance than this is told of, with what is missing.
 constexpr double notable_balance_error = 1e-6;
 

@@ -134,9 +134,12 @@ void Simulation::switch_supports_now() {
   if (phase <= state_.phase) return;
   VectorX gradient;
   if (!world_.is_dynamic) {
-    Potential::at(world_, state_).gradient(state_.positions, gradient);
+    const Potential potential = Potential::at(world_, state_);
+    potential.gradient(state_.positions, gradient);
     if (const auto friction = friction_of(world_, state_))
       friction->add_gradient(state_.positions, conditions_of(state_), gradient);
+    // Forces that are only rounding could not fade: a search would have no digits to balance them.
+    drop_rounding(world_, potential, state_.positions, gradient);
   }
   const auto kinetic_energy = [this] {
     VectorX momentum;
