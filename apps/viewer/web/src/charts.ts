@@ -27,6 +27,7 @@ export interface ChartOptions {
   quantity: string; // label of the vertical axis: "force"
   scale?: number; // scale of the values in the scene; far smaller ones are round-off
   points?: boolean; // single values, not a curve
+  loops?: boolean; // values over a quantity that may fall again, joined in their order
   clicked?: (index: number) => void; // a place on the time axis
 }
 
@@ -37,6 +38,7 @@ export class Chart {
   private readonly place: HTMLElement;
   private data: uPlot.AlignedData;
   private marker: number | null = null;
+  private markedPoint: number | null = null; // number of the marked point in loops, where a value stands for several
 
   constructor(private readonly options: ChartOptions) {
     this.place = element("div", { class: "chart-plot", role: "img", "aria-label": options.title });
@@ -52,8 +54,8 @@ export class Chart {
     this.data = [[], ...options.series.map(() => [])];
     this.plot = new uPlot(this.plotOptions(), this.data, this.place);
     this.plot.over.addEventListener("click", () => {
-      const index = this.plot.cursor.idx;
-      if (index !== null && index !== undefined) options.clicked?.(index);
+      const index = this.indexAtCursor();
+      if (index !== null) options.clicked?.(index);
     });
     new ResizeObserver(() => this.resize()).observe(this.place);
   }
@@ -62,10 +64,8 @@ export class Chart {
     const list = element("div", { class: "chart-legend" });
     this.options.series.forEach((series, i) => {
       const value = element("b", {});
-      const swatch = element("i", { class: i === 0 ? "" : "dashed" });
-      swatch.style.borderTopColor = `var(${STROKES[i % STROKES.length]})`;
       this.legendValues.push(value);
-      list.append(element("span", {}, swatch, series.label, " ", value));
+      list.append(element("span", {}, swatch(i), series.label, " ", value));
     });
     return list;
   }
@@ -85,7 +85,10 @@ export class Chart {
       padding: [6, 14, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 6 } },
-      scales: { x: { time: false }, y: { range: (_, low, high) => rangeOf(low, high) } },
+      scales: {
+        x: { time: false, ...(this.options.loops ? { range: () => rangeOf(...endsOf(this.data[0])) } : {}) },
+        y: { range: (_, low, high) => rangeOf(low, high) },
+      },
       axes: [
         {
           ...axis(18),
@@ -114,13 +117,13 @@ export class Chart {
           stroke: () => styleValue(STROKES[i % STROKES.length]),
           width: 1.75,
           dash: DASHES[i % DASHES.length],
-          paths: this.options.points ? () => null : undefined,
+          paths: this.options.points ? () => null : this.options.loops ? joinedInOrder : undefined,
           points: { show: this.options.points ?? false, size: 6 },
           spanGaps: false,
         })),
       ],
       hooks: {
-        setCursor: [(plot) => this.showValues(plot.cursor.idx ?? this.markedIndex())],
+        setCursor: [() => this.showValues(this.indexAtCursor() ?? this.markedIndex())],
         draw: [(plot) => this.drawMarker(plot)],
       },
     };
@@ -136,7 +139,7 @@ export class Chart {
     this.unit = scaledUnit(size > least ? size : 0, this.options.series[0]?.unit ?? "");
     this.data = [Array.from(times), ...values.map(finite)] as uPlot.AlignedData;
     this.plot.setData(this.data);
-    this.showValues(this.plot.cursor.idx ?? this.markedIndex());
+    this.showValues(this.indexAtCursor() ?? this.markedIndex());
   }
 
   private unit = { factor: 1, name: "" };
@@ -160,11 +163,12 @@ export class Chart {
     savePicture(this.options.title, this.plot.ctx.canvas, entries);
   }
 
-  /** A line at the time that is shown. */
-  mark(time: number | null): void {
+  /** A line at the time that is shown; of loops a dot on each curve, at the point of this number. */
+  mark(time: number | null, point: number | null = null): void {
     this.marker = time;
+    this.markedPoint = point;
     this.plot.redraw(false, false);
-    this.showValues(this.plot.cursor.idx ?? this.markedIndex());
+    this.showValues(this.indexAtCursor() ?? this.markedIndex());
   }
 
   get title(): string {
@@ -180,9 +184,28 @@ export class Chart {
     this.root.remove();
   }
 
+  /** The value under the pointer; of loops the nearest point of a curve. */
+  private indexAtCursor(): number | null {
+    const { cursor } = this.plot;
+    if (!this.options.loops) return cursor.idx ?? null;
+    const { left = -1, top = -1 } = cursor;
+    if (left < 0 || top < 0) return null;
+    let [best, least] = [null as number | null, Infinity];
+    const [xs, ...rows] = this.data;
+    rows.forEach((row) => {
+      for (let i = 0; i < xs.length; ++i) {
+        if (row[i] === null || row[i] === undefined) continue;
+        const away = Math.hypot(this.plot.valToPos(xs[i]!, "x") - left, this.plot.valToPos(row[i]!, "y") - top);
+        if (away < least) [best, least] = [i, away];
+      }
+    });
+    return best;
+  }
+
   private markedIndex(): number | null {
     const times = this.data[0];
     if (times.length === 0) return null;
+    if (this.options.loops && this.markedPoint !== null && this.markedPoint < times.length) return this.markedPoint;
     if (this.marker === null) return times.length - 1;
     let best = 0;
     for (let i = 1; i < times.length; ++i)
@@ -199,7 +222,31 @@ export class Chart {
     this.place.setAttribute("aria-label", `${this.options.title}: ${said.join(", ")}`);
   }
 
+  private drawDots(plot: uPlot): void {
+    const index = this.markedIndex();
+    const [xs, ...rows] = this.data;
+    if (index === null || !Number.isFinite(xs[index])) return;
+    const { ctx } = plot;
+    ctx.save();
+    ctx.fillStyle = styleValue("--accent");
+    for (const row of rows) {
+      const value = row[index];
+      if (value === null || value === undefined) continue;
+      ctx.beginPath();
+      ctx.arc(
+        plot.valToPos(xs[index], "x", true),
+        plot.valToPos(value, "y", true),
+        4 * devicePixelRatio,
+        0,
+        2 * Math.PI,
+      );
+      ctx.fill();
+    }
+    ctx.restore();
+  }
+
   private drawMarker(plot: uPlot): void {
+    if (this.options.loops) return this.drawDots(plot);
     if (this.marker === null) return;
     const x = Math.round(plot.valToPos(this.marker, "x", true));
     const { ctx } = plot;
@@ -218,6 +265,44 @@ export class Chart {
     if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.options.height });
   }
 }
+
+/** A piece of the line of a curve, for the legend. */
+function swatch(series: number): SVGSVGElement {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 20 4");
+  svg.setAttribute("aria-hidden", "true");
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  for (const [name, value] of Object.entries({ x1: "0", x2: "20", y1: "2", y2: "2" })) line.setAttribute(name, value);
+  line.style.stroke = `var(${STROKES[series % STROKES.length]})`;
+  line.style.strokeDasharray = DASHES[series % DASHES.length].join(" ");
+  svg.append(line);
+  return svg;
+}
+
+/** The least and the greatest of some numbers. */
+function endsOf(numbers: ArrayLike<number | null | undefined>): [number | null, number | null] {
+  const known = Array.from(numbers).filter((n): n is number => Number.isFinite(n));
+  return known.length > 0 ? [Math.min(...known), Math.max(...known)] : [null, null];
+}
+
+/** A curve through its points in their order, wherever they are. */
+const joinedInOrder: uPlot.Series.PathBuilder = (plot, series) => {
+  const path = new Path2D();
+  const [xs, ys] = [plot.data[0], plot.data[series]];
+  let isOpen = false;
+  for (let i = 0; i < xs.length; ++i) {
+    const [x, y] = [xs[i], ys[i]];
+    if (!Number.isFinite(x) || y === null || y === undefined) {
+      isOpen = false;
+      continue;
+    }
+    const [left, top] = [plot.valToPos(x, "x", true), plot.valToPos(y, "y", true)];
+    if (isOpen) path.lineTo(left, top);
+    else path.moveTo(left, top);
+    isOpen = true;
+  }
+  return { stroke: path, fill: null, clip: null, flags: 0 };
+};
 
 /** A range for values that vary by round-off alone: they are drawn as a flat line in the middle. */
 function rangeOf(low: number | null, high: number | null): [number, number] {

@@ -22,7 +22,7 @@ export class HeadUp {
   private readonly warning = element("span", { class: "warning-words", data: "warning" });
   private readonly more = element(
     "button",
-    { type: "button", class: "more", data: "words-more", hidden: true, on: { click: () => this.open(!this.isOpen) } },
+    { type: "button", class: "more", data: "words-more", hidden: true },
     "more",
   );
   private isOpen = false;
@@ -50,6 +50,8 @@ export class HeadUp {
     );
     this.contact.hidden = true;
     this.words.append(this.stateWords, this.warning, this.more);
+    // All of the line is to be hit: it is small for a finger.
+    this.words.addEventListener("click", () => !this.more.hidden && this.open(!this.isOpen));
     this.root.prepend(this.words);
     new ResizeObserver(() => this.offerMore()).observe(this.root);
     this.open(false);

@@ -5,7 +5,7 @@ import { element } from "./dom";
 import { LineChart } from "./line_chart";
 import type { LineValues } from "./line_probe";
 import type { RecordedValues } from "./recorded_values";
-import { axisWords, curvesOf, type Report, timeAxis, type TimeAxis } from "./report";
+import { axisWords, curvesOf, type Curves, type Report, timeAxis, type TimeAxis } from "./report";
 
 const HEIGHT = 132;
 
@@ -20,13 +20,16 @@ export class Plots {
   private readonly linePlace = element("div", { data: "line-plot" });
   private readonly lineChart = new LineChart(this.linePlace, HEIGHT);
   private probeCharts: Chart[] = [];
-  private readonly reportCharts: Chart[] = [];
+  private reportCharts: Chart[] = [];
+  private readonly reportPlace = element("div", {});
+  private curves: Curves[] = [];
+  private over: number[] | null = null; // quantity on the horizontal axis, for each frame of the report; null: time
   private readonly axis: TimeAxis;
   private marked = 0;
 
   constructor(
     private readonly values: RecordedValues,
-    report: Report | null,
+    private readonly report: Report | null,
     private readonly seek: (index: number) => void,
   ) {
     const { frames } = values.recording;
@@ -34,17 +37,48 @@ export class Plots {
     this.root.append(this.linePlace, this.probePlace);
     this.probePlace.append(this.hint);
     if (!report) return;
-    const times = report.frames.map((frame, i) => this.axis.of(frame, i));
+    this.curves = curvesOf(report, this.dimension);
+    if (this.curves.length > 0 && !report.frames.some((frame) => frame.mode)) this.root.append(this.axisChoice());
+    this.root.append(this.reportPlace);
+    this.drawReport(null);
+  }
+
+  /** A list of what the report's curves may be drawn over: time, or one of the curves. */
+  private axisChoice(): HTMLElement {
+    const all = this.curves.flatMap(({ title, series }, c) =>
+      series.map(({ label, unit }, s) => ({ c, s, words: series.length > 1 ? `${title}, ${label}` : title, unit })),
+    );
+    const select = element(
+      "select",
+      {
+        data: "plots-over",
+        on: { change: () => this.drawReport(select.value === "" ? null : all[Number(select.value)]) },
+      },
+      element("option", { value: "" }, this.axis.label),
+      ...all.map(({ words }, i) => element("option", { value: String(i) }, words)),
+    );
+    return element("label", { class: "plots-over" }, "Plot over ", select);
+  }
+
+  private drawReport(over: { c: number; s: number; words: string; unit: string } | null): void {
+    const { frames } = this.values.recording;
+    this.reportCharts.forEach((chart) => chart.destroy());
+    this.reportCharts = [];
+    this.over = over && this.curves[over.c].values[over.s];
+    const times = this.report!.frames.map((frame, i) => this.axis.of(frame, i));
     const jump = (index: number) => {
       const later = frames.findIndex((frame) => frame.number >= index);
-      seek(later < 0 ? frames.length - 1 : later);
+      this.seek(later < 0 ? frames.length - 1 : later);
     };
-    for (const { title, quantity, scale, series, values: rows, points = false } of curvesOf(report, this.dimension)) {
-      const chart = this.chart(title, quantity, series, jump, points, scale);
-      chart.set(times, rows);
+    const axis = over ? (over.unit ? `${over.words} [${over.unit}]` : over.words) : axisWords(this.axis);
+    this.curves.forEach(({ title, quantity, scale, series, values: rows, points = false }) => {
+      const options = { title, quantity, series, height: HEIGHT, legend: true, axis, points, scale, clicked: jump };
+      const chart = new Chart({ ...options, loops: over !== null });
+      chart.set(this.over ?? times, rows);
       this.reportCharts.push(chart);
-      this.root.append(chart.root);
-    }
+      this.reportPlace.append(chart.root);
+    });
+    this.mark(this.marked);
   }
 
   private get dimension(): 2 | 3 {
@@ -122,7 +156,9 @@ export class Plots {
   mark(index: number): void {
     this.marked = index;
     const time = this.axis.of(this.values.recording.frames[index], index);
-    [...this.probeCharts, ...this.reportCharts].forEach((chart) => chart.mark(time));
+    this.probeCharts.forEach((chart) => chart.mark(time));
+    const { number } = this.values.recording.frames[index];
+    this.reportCharts.forEach((chart) => chart.mark(time, this.over ? number : null));
   }
 
   redraw(): void {

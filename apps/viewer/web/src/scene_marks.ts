@@ -118,6 +118,7 @@ class Arrows {
   private readonly turns: THREE.Quaternion[];
   private readonly lengths: number[];
   private readonly pressing: boolean[]; // towards the body: the tip is at the vertex
+  readonly box = new THREE.Box3(); // box of the arrows as they are drawn
 
   constructor(mark: Mark, rest: Float32Array, middle: THREE.Vector3, extent: number) {
     const directions = mark.directions!.map((d) => new THREE.Vector3(...d));
@@ -145,12 +146,14 @@ class Arrows {
     if (factor < 0) back.setFromAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI);
     const matrix = new THREE.Matrix4();
     const place = new THREE.Vector3();
+    this.box.makeEmpty();
     vertices.forEach((vertex, i) => {
       const length = this.lengths[i] * Math.max(Math.min(Math.abs(factor), 1), 0.12);
       const turn = this.turns[i].clone().multiply(back);
       place.fromArray(positions, 3 * vertex);
       const along = new THREE.Vector3(0, length, 0).applyQuaternion(turn);
       if (this.pressing[i] === factor > 0) place.sub(along);
+      if (this.mesh.visible) this.box.expandByPoint(place).expandByPoint(along.add(place));
       this.mesh.setMatrixAt(i, matrix.compose(place, turn, new THREE.Vector3(length, length, length)));
     });
     this.mesh.instanceMatrix.needsUpdate = true;
@@ -229,6 +232,11 @@ export class FaceLoads {
     for (const { vertices, arrows } of this.shown) arrows.update(vertices, positions, 1);
   }
 
+  /** Makes the box hold the arrows. */
+  widen(box: THREE.Box3): void {
+    for (const { arrows } of this.shown) box.union(arrows.box);
+  }
+
   /** How many faces have one, for tests. */
   get count(): number {
     return this.shown.length;
@@ -295,6 +303,18 @@ export class SceneMarks {
     if (visible) return;
     for (const { mark } of this.shown)
       if (mark.kind === "probe") this.labels.set(`probe-${mark.name}`, "", null, "probe");
+  }
+
+  /** Makes the box hold the arrows that are drawn. */
+  widen(box: THREE.Box3): void {
+    if (this.group.visible) for (const { arrows } of this.shown) if (arrows) box.union(arrows.box);
+  }
+
+  /** The ends of all arrows, for tests. */
+  get arrowBox(): number[] {
+    const box = new THREE.Box3();
+    this.widen(box);
+    return box.isEmpty() ? [] : [...box.min.toArray(), ...box.max.toArray()];
   }
 
   /** The vertices at which dots and arrows stand, for tests. */

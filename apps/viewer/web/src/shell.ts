@@ -34,8 +34,9 @@ export interface ShellEvents {
 }
 
 const TALL = 110; // [pixels] from which on the heading is not just a strip at the top
-const MOST_COVERED = 0.5; // largest share of the height for cards above the body
+const MOST_COVERED = 0.3; // largest share of a telephone's height for a card beside the body
 const NARROW = 720; // [pixels] of a telephone, as in small.css
+const LOW = 520; // [pixels] of a telephone on its side
 
 export class Shell {
   readonly canvas = element("canvas", { class: "scene", data: "scene", "aria-label": "the scene", tabIndex: 0 });
@@ -121,6 +122,7 @@ export class Shell {
       numCreases: () => this.viewport?.numCreases ?? 0,
       isParallel: () => this.viewport?.orbit.isParallel ?? false,
       pose: () => this.viewport?.orbit.pose,
+      arrowBox: () => this.viewport?.sceneMarks.arrowBox ?? [],
       loadFactors: () => this.viewport?.sceneMarks.factors ?? [],
       dotPlaces: () => this.viewport?.sceneMarks.dotVertices ?? [],
       colliderPlaces: () => this.viewport?.colliders.firstPlaces ?? [],
@@ -194,28 +196,52 @@ export class Shell {
     return middle;
   }
 
-  /** Margins of the window that cards cover, from each side. Those at the left are low on telephones. */
+  /** Margins of the window that cards cover, from each side, so that the bodies are seen as large as can be. */
   covered(): Covered {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const boxes = (parent: HTMLElement) =>
-      [...parent.children].map((child) => child.getBoundingClientRect()).filter((box) => box.width * box.height > 0);
     const gap = 8;
-    const below = Math.min(height, ...boxes(this.bottom).map((box) => box.top));
-    const covered: Covered = { left: 0, right: 0, top: 0, bottom: height - below + gap };
-    const inColumn = [...this.left.children].filter((card) => getComputedStyle(card).position !== "fixed");
-    const [heading, ...others] = inColumn
-      .map((card) => card.getBoundingClientRect())
-      .filter((box) => box.width * box.height > 0);
-    if (width <= NARROW) {
-      const low = Math.max(...[heading, ...others].map((box) => box?.bottom ?? 0));
-      covered.top = (low < MOST_COVERED * height ? low : (heading?.bottom ?? 0)) + gap;
-    } else {
-      const tall = heading && heading.height > TALL ? [heading, ...others] : others;
-      covered.left = Math.max(0, ...tall.map((box) => box.right)) + gap;
-      const panel = this.panelPlace.getBoundingClientRect();
-      if (panel.height > 0.3 * height) covered.right = width - panel.left + gap;
+    const boxOf = (card: Element) => card.getBoundingClientRect();
+    const isSeen = (box: DOMRect) => box.width * box.height > 0;
+    const below = Math.min(
+      height,
+      ...[...this.bottom.children]
+        .map(boxOf)
+        .filter(isSeen)
+        .map((box) => box.top),
+    );
+    const isSmall = width <= NARROW || height <= LOW;
+    const seen = this.viewport?.sizeSeen ?? { width: 1, height: 1 };
+    const [atLeft, atRight]: Element[][] = [[], []];
+    for (const card of this.left.children) (getComputedStyle(card).position === "fixed" ? atRight : atLeft).push(card);
+    atRight.push(...this.panelPlace.children);
+    const left = atLeft.map(boxOf).filter(isSeen);
+    const heading = left[0]; // just a strip at the top of a large window
+    if (!isSmall && heading && heading.height <= TALL) left.shift();
+    const right = atRight.map(boxOf).filter(isSeen);
+    // On a telephone a card that is opened over the scene goes again; a folded panel of a large window takes nothing.
+    const isBeside = ({ height: own }: DOMRect) =>
+      isSmall ? own < MOST_COVERED * height : Math.max(...right.map((box) => box.bottom)) > MOST_COVERED * height;
+    const bottom = height - below + gap;
+    const best = freest([
+      left.map((box) => [box.right, box.bottom]),
+      right.filter(isBeside).map((box) => [width - box.left, box.bottom]),
+    ]);
+    return { ...best, bottom };
+
+    /** Each card is left free at its side or from above. */
+    function freest([leftOnes, rightOnes]: [number, number][][]): Omit<Covered, "bottom"> {
+      let [most, found] = [-Infinity, { left: 0, right: 0, top: 0 }];
+      const all = [...leftOnes, ...rightOnes];
+      for (let choice = 0; choice < 1 << all.length; ++choice) {
+        const sides = all.map(([side], i) => (choice & (1 << i) ? side + gap : 0));
+        const l = Math.max(0, ...sides.slice(0, leftOnes.length));
+        const r = Math.max(0, ...sides.slice(leftOnes.length));
+        const top = Math.max(0, ...all.map(([, low], i) => (choice & (1 << i) ? 0 : low + gap)));
+        const size = Math.min((width - l - r) / seen.width, (height - top - bottom) / seen.height);
+        if (size > most) [most, found] = [size, { left: l, right: r, top }];
+      }
+      return found;
     }
-    return covered;
   }
 
   /** A list of the bodies where there are several; `chosen`: what the choice of one changes. */

@@ -98,7 +98,14 @@ export class Surface {
     }
     this.positions.needsUpdate = true;
     this.field.needsUpdate = frame.fieldValues !== null;
-    this.mesh.material.uniforms.fieldOn.value = frame.fieldValues ? 1 : 0;
+    this.mesh.material.uniforms.fieldOn.value = frame.fieldValues && this.hasValues(frame.fieldValues) ? 1 : 0;
+  }
+
+  /** Whether the field has a value anywhere here: a rigid body, which has no stress, keeps its own colour. */
+  private hasValues(values: Uint16Array): boolean {
+    const { first_vertex: first, num_vertices: count } = this.part;
+    for (let v = first; v < first + count; ++v) if (values[v] !== 0) return true;
+    return false;
   }
 
   /** Transparent surfaces draw only their nearest layer, in any order of the triangles. */

@@ -38,6 +38,7 @@ export class Triad {
   setScene(viewport: Viewport): void {
     const { flat, orbit } = viewport;
     this.parallel.hidden = flat;
+    this.root.classList.toggle("flat", flat);
     this.axes.length = 0;
     this.last = "";
     const svg = document.createElementNS(SVG, "svg");

@@ -319,6 +319,8 @@ export class Viewport {
     const box = (this.reach ?? this.restBox).clone();
     if (this.frame) box.union(this.boxOf(this.frame.positions));
     if (this.look.colliders) this.colliders.widen(box, 2 * this.extent);
+    this.sceneMarks.widen(box);
+    this.faceLoads.widen(box);
     if (this.groundHeight !== null) {
       const up = new THREE.Vector3(...this.header.up);
       const low = box.getCenter(new THREE.Vector3());
@@ -342,6 +344,17 @@ export class Viewport {
       }
     });
     return box;
+  }
+
+  /** About the width and the height of all bodies, from whatever side they are seen [m]. */
+  get sizeSeen(): { width: number; height: number } {
+    const size = (this.reach ?? this.restBox).getSize(new THREE.Vector3());
+    const least = 1e-3 * this.extent;
+    if (this.flat) return { width: Math.max(size.x, least), height: Math.max(size.y, least) };
+    const up = new THREE.Vector3(...this.header.up).normalize();
+    const upwards = Math.abs(up.x) * size.x + Math.abs(up.y) * size.y + Math.abs(up.z) * size.z;
+    const around = Math.sqrt(Math.max(size.lengthSq() - upwards ** 2, 0));
+    return { width: Math.max(around, least), height: Math.max(upwards + 0.4 * around, least) };
   }
 
   touch(): void {

@@ -162,6 +162,27 @@ test("the program's death is shown, and its new start as well", async () => {
   }
 });
 
+test("an open page finds a program that was started again with its file of the address", async () => {
+  const kept = path.join(browser.scratch, "address");
+  let mortal = await Program.start(jelly, "--port", "0", "--address-file", kept);
+  const watched = await browser.open(mortal.address);
+  try {
+    await watched.firstFrame();
+    const lost = watched.page.getByTestId("lost");
+    await mortal.stop();
+    await lost.waitFor({ state: "visible" });
+    const { address } = mortal;
+    mortal = await Program.start(jelly, "--address-file", kept);
+    assert.equal(mortal.address, address);
+    await lost.waitFor({ state: "hidden" });
+    await watched.until("resilin.connection.connected && resilin.time > 0");
+    assert.deepEqual(await watched.value("resilin.errors"), []);
+  } finally {
+    await watched.close();
+    await mortal.stop();
+  }
+});
+
 test("fingers drag the body, and two of them come nearer", async () => {
   await withPage(
     browser,

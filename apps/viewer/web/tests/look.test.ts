@@ -177,6 +177,41 @@ test("a cut shows the field inside, and coarse cells do not depend on the order 
   });
 });
 
+test("a rigid body, which has no stress, keeps its own colour beside a coloured one, and arrows are in sight", async () => {
+  await withResults("rigid_beside.toml", async (watched) => {
+    await watched.value("resilin.seek(1)");
+    await watched.until("resilin.frame === 1");
+    assert.equal(await watched.value("resilin.header.fields[resilin.shownField].name"), "nodal_von_mises");
+    // Neither the colour of what is no number nor one of the bar, but that of the second body.
+    const [r, g, b] = await watched.value<number[]>(`(() => {
+      resilin.drawNow();
+      const canvas = document.querySelector("canvas.scene");
+      const gl = canvas.getContext("webgl2");
+      const scale = canvas.width / canvas.clientWidth;
+      const { x, y } = resilin.project(1.63, 0.42, 0);
+      const pixel = new Uint8Array(4);
+      gl.readPixels(Math.round(x * scale), canvas.height - 1 - Math.round(y * scale), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+      return [...pixel];
+    })()`);
+    assert.ok(b > g && g > r && r > 60, `the rigid body is blue: ${[r, g, b]}`);
+    // Arrows of loads are within what "fit the view" shows.
+    await watched.page.getByTestId("button-see-all").click();
+    const box = await watched.value<number[]>("resilin.arrowBox()");
+    assert.equal(box.length, 6);
+    const covered = await watched.value<{ left: number; right: number; top: number; bottom: number }>(
+      "resilin.covered()",
+    );
+    for (const [x, y] of [
+      [box[0], box[1]],
+      [box[3], box[4]],
+    ]) {
+      const seen = await watched.value<{ x: number; y: number }>(`resilin.project(${x}, ${y}, 0)`);
+      assert.ok(seen.x > covered.left && seen.x < 1000 - covered.right, `${seen.x} in ${JSON.stringify(covered)}`);
+      assert.ok(seen.y > covered.top && seen.y < 700 - covered.bottom, `${seen.y} in ${JSON.stringify(covered)}`);
+    }
+  });
+});
+
 test("supports, loads and probes are drawn where they are, and the hand says how strongly it pulls", async () => {
   const program = await Program.start(scene("tower.toml"), "--port", "0");
   try {

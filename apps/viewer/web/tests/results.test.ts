@@ -132,6 +132,37 @@ test("a click on the body plots its values over time, beside the curves of the r
   });
 });
 
+test("curves of the report are plotted over another quantity, with a dot at the frame shown", async () => {
+  await withPage(async (watched) => {
+    const { page } = watched;
+    const plots = page.getByTestId("plots");
+    const over = page.getByTestId("plots-over");
+    assert.deepEqual((await over.locator("option").allInnerTexts()).slice(0, 2), ["time", "Energy, elastic"]);
+    await over.selectOption({ label: "Displacement of “tip”, uy" });
+    const reaction = plots.locator(".chart").filter({ hasText: "Reaction of “wall”" });
+    const saved = async () => {
+      const [table] = await Promise.all([page.waitForEvent("download"), reaction.getByTestId("button-table").click()]);
+      return readFileSync((await table.path())!, "utf8")
+        .trim()
+        .split("\n");
+    };
+    const lines = await saved();
+    assert.equal(lines[0], '"Displacement of “tip”, uy [m]",Fx [N],Fy [N],Fz [N]');
+    const displacements = lines.slice(1).map((line) => Number(line.split(",")[0]));
+    assert.equal(displacements.length, beam.frames.length);
+    displacements.forEach((u, step) => assert.ok(Math.abs(u + 0.01 * step) < 1e-12, `${u} at ${step}`));
+    // The axis runs from -0.2 m at the left to 0 at the right: a click at the left seeks the last frame, at the right the first.
+    const box = (await reaction.locator(".u-over").boundingBox())!;
+    await reaction.locator(".u-over").click({ position: { x: box.width - 3, y: box.height / 2 } });
+    await watched.until("resilin.frame === 0");
+    assert.match(await reaction.innerText(), /Fy 5 N/);
+    await reaction.locator(".u-over").click({ position: { x: 3, y: box.height / 2 } });
+    await watched.until("resilin.frame === 20");
+    await over.selectOption({ label: "time" });
+    assert.match((await saved())[0], /^time \[s\],/);
+  });
+});
+
 async function middleOfBody(watched: Watched): Promise<{ x: number; y: number }> {
   const vertex = Math.floor(beam.rest.length / 6);
   const seen = await watched.value<{ x: number; y: number }>(`resilin.seenAt(${vertex})`);

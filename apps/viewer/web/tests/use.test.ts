@@ -129,7 +129,13 @@ const faultsOfLayout = (watched: Watched, box: Box) =>
         faults.push("cut off: " + words.textContent);
     const tools = [...document.querySelectorAll(".toolbar .icon")].filter((b) => b.getClientRects().length > 0);
     const rows = new Set(tools.map((b) => Math.round(b.getBoundingClientRect().top)));
-    if (rows.size !== 1) faults.push("the tools stand in " + rows.size + " rows");
+    if (rows.size > (innerWidth < 720 ? 2 : 1)) faults.push("the tools stand in " + rows.size + " rows");
+    if (matchMedia("(pointer: coarse)").matches)
+      for (const button of document.querySelectorAll(".icon, .lil-root > .lil-title")) {
+        const { width, height } = button.getBoundingClientRect();
+        if (width * height > 0 && Math.min(width, height) < 40)
+          faults.push("too small for a finger: " + button.title + " " + width + " x " + height);
+      }
     const title = document.querySelector("h1").getBoundingClientRect();
     if (title.height < 18) faults.push("the title is " + title.height + " pixels high");
     return faults;
@@ -137,6 +143,7 @@ const faultsOfLayout = (watched: Watched, box: Box) =>
 
 const SCREENS: [string, object][] = [
   ["a telephone", { viewport: { width: 390, height: 780 }, hasTouch: true, deviceScaleFactor: 1 }],
+  ["a telephone on its side", { viewport: { width: 844, height: 390 }, hasTouch: true, deviceScaleFactor: 1 }],
   ["a small laptop", { viewport: { width: 1024, height: 700 }, deviceScaleFactor: 0.5 }],
   ["a desktop", { viewport: { width: 1600, height: 950 }, deviceScaleFactor: 0.5 }],
 ];
