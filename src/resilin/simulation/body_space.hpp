@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "resilin/core/dense.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/material/batch.hpp"
 #include "resilin/mesh/topology.hpp"
@@ -15,13 +16,17 @@
 
 namespace resilin {
 
-/// The richer space on a body of one domain: which functions there are, their residual, and the stiffness
-/// that couples them with one another and with the element's own unknowns, cell by cell.
+/// The richer space on a body: which functions there are, their residual, and the stiffness that couples them
+/// with one another and with the element's own unknowns, cell by cell.
+///
+/// A cell keeps the tangents of its quadrature points, pulled back to the reference cell. There the gradients
+/// of all functions are those of every cell, and products with the stiffness are dense products of matrices.
 template <int dim>
 class BodySpace {
  public:
   BodySpace(const World& world, const Body& body)
       : world_(world), body_(body), space_(body.domains.element()) {
+    tabulate();
     const std::vector<Index>& nodes = body.cells;
     const auto n = static_cast<std::size_t>(body_.domains.element().num_nodes), count = num_local();
     std::vector<std::pair<Key, std::size_t>> keys;
@@ -61,8 +66,9 @@ class BodySpace {
   /// The element keeps a pressure. The richer one has `dim` more in each cell, linear ones with no mean.
   bool is_mixed() const { return body_.domains.element().has_mean_volume; }
   double bytes() const {
-    const double rows = static_cast<double>(num_local()) * dim;
-    return 8 * rows * (rows + dim * body_.domains.element().num_nodes) * num_cells();
+    const auto numbers = static_cast<double>(num_points() * square * square),
+               of_pressures = static_cast<double>((dim + 1) * dim * (num_local() + num_nodes()));
+    return num_cells() * (is_mixed() ? sizeof(double) * (numbers + of_pressures) : sizeof(float) * numbers);
   }
 
   /// Functions of facets that one support holds, or that are in contact, do not move. A facet between two
@@ -91,28 +97,9 @@ class BodySpace {
     }
   }
 
-  /// Makes the matrices and the residual at positions x. False where the law is outside its domain, or its
+  /// Makes the tangents and the residual at positions x. False where the law is outside its domain, or its
   /// volumetric energy is not convex and pressures have no compliance.
-  bool form(const VectorX& x, const DistributedLoads& loads, const Vector3& body_force) {
-    residual_.setZero(num_unknowns());
-    is_convex_ = true;
-    rows_ = num_local() * dim;
-    columns_ = static_cast<std::size_t>(body_.domains.element().num_nodes) * dim;
-    matrices_.assign(static_cast<std::size_t>(num_cells()) * rows_ * (rows_ + columns_), 0.0);
-    std::vector<double> cell_residuals(static_cast<std::size_t>(num_cells()) * rows_, 0.0);
-    inverses_.assign(keys_.size(), Square::Zero());
-    for (const Domain& domain : body_.domains) {
-      const auto count = static_cast<std::size_t>(domain.energy->num_cells());
-      for (std::size_t first = 0; first < count; first += cells_per_batch)
-        form_cells(domain, first, std::min(first + cells_per_batch, count), x, loads,
-                   body_force + domain.density * loads.acceleration, cell_residuals);
-    }
-    gather(cell_residuals, residual_);
-    for (const FacetForce& facet : loads.facets) add_facet(facet);
-    set_fixed_to_zero(residual_);
-    form_preconditioner();
-    return is_convex_ && residual_.allFinite();
-  }
+  bool form(const VectorX& x, const DistributedLoads& loads, const Vector3& body_force);
 
   /// The energies that stresses and pressures of a step give, of which the entries are `by_unknown`.
   SpaceError::Change change(const Eigen::Ref<const VectorX>& by_unknown) const {
@@ -130,46 +117,10 @@ class BodySpace {
   }
 
   /// image = K_bb v, forces += K_hb v.
-  void apply(const Eigen::Ref<const VectorX>& v, Eigen::Ref<VectorX> image, VectorX& forces) const {
-    const auto n = columns_ / dim;
-    std::vector<double> own(static_cast<std::size_t>(num_cells()) * rows_),
-        others(static_cast<std::size_t>(num_cells()) * columns_);
-    for_each_cell([&](std::size_t cell) {
-      const VectorX local = local_values(cell, v);
-      const auto K = matrix(cell);
-      Eigen::Map<VectorX>(own.data() + cell * rows_, static_cast<Eigen::Index>(rows_)) =
-          K.leftCols(static_cast<Eigen::Index>(rows_)) * local;
-      Eigen::Map<VectorX>(others.data() + cell * columns_, static_cast<Eigen::Index>(columns_)) =
-          K.rightCols(static_cast<Eigen::Index>(columns_)).transpose() * local;
-    });
-    VectorX sum = VectorX::Zero(num_unknowns());
-    gather(own, sum);
-    set_fixed_to_zero(sum);
-    image = sum;
-    const std::vector<Index>& nodes = body_.cells;
-    for (std::size_t i = 0; i < others.size(); i += dim)
-      forces.segment(Eigen::Index{nodes[i / columns_ * n + i % columns_ / dim]} * dim, dim) +=
-          Eigen::Map<const Eigen::Matrix<double, dim, 1>>(others.data() + i);
-  }
+  void apply(const Eigen::Ref<const VectorX>& v, Eigen::Ref<VectorX> image, VectorX& forces) const;
 
   /// image -= K_bh z.
-  void subtract_coupling(const VectorX& z, Eigen::Ref<VectorX> image) const {
-    const auto n = columns_ / dim;
-    std::vector<double> own(static_cast<std::size_t>(num_cells()) * rows_);
-    const std::vector<Index>& nodes = body_.cells;
-    for_each_cell([&](std::size_t cell) {
-      VectorX local(static_cast<Eigen::Index>(columns_));
-      for (std::size_t a = 0; a < n; ++a)
-        local.segment<dim>(static_cast<Eigen::Index>(a) * dim) =
-            z.segment<dim>(Eigen::Index{nodes[cell * n + a]} * dim);
-      Eigen::Map<VectorX>(own.data() + cell * rows_, static_cast<Eigen::Index>(rows_)) =
-          matrix(cell).rightCols(static_cast<Eigen::Index>(columns_)) * local;
-    });
-    VectorX sum = VectorX::Zero(num_unknowns());
-    gather(own, sum);
-    set_fixed_to_zero(sum);
-    image -= sum;
-  }
+  void subtract_coupling(const VectorX& z, Eigen::Ref<VectorX> image) const;
 
   void precondition(const Eigen::Ref<const VectorX>& r, Eigen::Ref<VectorX> z) const {
     for (std::size_t f = 0; f < inverses_.size(); ++f)
@@ -181,7 +132,8 @@ class BodySpace {
   }
 
  private:
-  static constexpr std::size_t cells_per_chunk = 64, cells_per_batch = 2048;
+  static constexpr std::size_t cells_per_chunk = 64, cells_per_batch = 1024;
+  static constexpr int square = dim * dim;
 
   /// Corners of an edge or a facet in rising order, -1 after the last one; for an odd function of an edge,
   /// `odd` at the end.
@@ -192,35 +144,50 @@ class BodySpace {
 
   static Key key_of(std::span<const Index> corners) {
     Key key{-1, -1, -1, -1};
-    const std::size_t count = std::min(corners.size(), key.size());
-    std::copy_n(corners.begin(), count, key.begin());
-    std::sort(key.begin(), key.begin() + static_cast<std::ptrdiff_t>(count));
+    for (const Index corner : corners) {
+      auto place = key.end() - 1;
+      for (; place != key.begin() && (*(place - 1) < 0 || *(place - 1) > corner); --place)
+        *place = *(place - 1);
+      *place = corner;
+    }
     return key;
   }
 
   using Square = Eigen::Matrix<double, dim, dim>;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Point = Eigen::Matrix<double, dim, 1>;
+  using Tensor = Eigen::Matrix<double, dim, dim, Eigen::RowMajor>;
+  /// Values of functions or of gradients in a chunk of cells: a column for each cell and direction.
+  using Columns = dense::Matrix;
 
-  Eigen::Map<const RowMajor> matrix(std::size_t cell) const {
-    return {matrices_.data() + cell * rows_ * (rows_ + columns_), static_cast<Eigen::Index>(rows_),
-            static_cast<Eigen::Index>(rows_ + columns_)};
+  /// What a mixed element adds in a cell, over the functions and then the nodes.
+  struct Pressures {
+    VectorX volume;                                ///< gradient of the integral of J
+    Eigen::Matrix<double, dim, Eigen::Dynamic> G;  ///< gradients of the integrals of phi_k J
+    Square compliance = Square::Zero();
+    double stiffness = 0;  ///< d2U/dJ2 / V
+  };
+
+  /// Gradients and values of all functions at the quadrature points of the reference cell.
+  void tabulate();
+
+  std::size_t num_points() const { return space_.rule().points.size(); }
+  std::size_t num_nodes() const { return static_cast<std::size_t>(body_.domains.element().num_nodes); }
+  std::size_t num_functions() const { return space_.functions().size(); }
+
+  /// Calls body(begin, end) for chunks of cells.
+  void for_each_chunk(const auto& body) const {
+    parallel_for(static_cast<std::size_t>(num_cells()), cells_per_chunk, body);
   }
 
-  void for_each_cell(const auto& body) const {
-    parallel_for(static_cast<std::size_t>(num_cells()), cells_per_chunk,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t cell = begin; cell < end; ++cell) body(cell);
-                 });
-  }
-
-  VectorX local_values(std::size_t cell, const Eigen::Ref<const VectorX>& v) const {
-    VectorX local(static_cast<Eigen::Index>(rows_));
-    const std::size_t count = rows_ / dim;
-    for (std::size_t f = 0; f < count; ++f)
-      local.segment<dim>(static_cast<Eigen::Index>(f) * dim) =
-          signs_[cell * count + f] * v.segment<dim>(Eigen::Index{numbers_[cell * count + f]} * dim);
-    return local;
-  }
+  /// Nodal values of the cells from `begin` to `end`, a row for each node.
+  Columns nodal_values(std::size_t begin, std::size_t end, const VectorX& values) const;
+  /// The same of the richer functions, with the signs of their cells.
+  Columns function_values(std::size_t begin, std::size_t end, const Eigen::Ref<const VectorX>& v) const;
+  /// Replaces gradients at the points of cells by the forces that the tangents give.
+  void multiply_by_tangents(std::size_t begin, Columns& gradients) const;
+  template <class Number>
+  static void multiply_by(const Number* tangents, Columns& gradients);
 
   /// Sums what each cell has for its functions, in the order of the cells.
   void gather(const std::vector<double>& by_cell, VectorX& sum) const {
@@ -251,27 +218,26 @@ class BodySpace {
     });
   }
 
+  /// Deformation and tangents of cells `first` to `last` of a domain, which the batch calls of laws take.
+  struct Batch {
+    std::vector<double> H, P, A;  ///< at the points: dim x dim and square x square, by rows
+    std::vector<Square> dxi_dX;   ///< [1/m]
+    std::vector<double> weights;  ///< [m^3], in 2D [m^2]
+    std::vector<double> constants;
+    std::vector<Vector3> fibres;
+  };
   void form_cells(const Domain& domain, std::size_t first, std::size_t last, const VectorX& x,
-                  const DistributedLoads& loads, const Vector3& body_force,
+                  const DistributedLoads& loads, const Vector3& body_force, Batch& batch,
                   std::vector<double>& cell_residuals);
-
-  /// Adds the diagonal blocks of the functions of a cell.
-  void add_diagonal(std::size_t cell) {
-    const std::size_t count = rows_ / dim;
-    for (std::size_t f = 0; f < space_.functions().size(); ++f) {
-      const auto row = static_cast<Eigen::Index>(f) * dim;
-      inverses_[static_cast<std::size_t>(numbers_[cell * count + f])] +=
-          matrix(cell).template block<dim, dim>(row, row);
-    }
-  }
 
   /// Pressures get their compliance, and what the functions of their cell alone would give them of it.
   void form_preconditioner();
 
   std::size_t num_local() const { return space_.functions().size() + (is_mixed() ? 1 : 0); }
 
-  void add_pressures(std::size_t cell, std::span<const PointGeometry> geometries,
-                     std::span<const Vector3> slopes, const double* H, double stiffness, double* residuals);
+  /// @param point  number of the first point of the cell in the batch
+  void add_pressures(std::size_t cell, const Batch& batch, std::size_t point, double stiffness,
+                     double* residuals);
   /// Gives stresses and tangents of these cells the pressure of the cell in place of that of the point.
   /// @return  d2U/dJ2 of the mean volume, by cell [Pa]
   std::vector<double> replace_pressures(const Domain& domain, std::size_t first, std::size_t last,
@@ -286,9 +252,17 @@ class BodySpace {
   std::vector<Index> numbers_;       ///< [cell, function of the cell]
   std::vector<double> signs_;        ///< likewise
   std::vector<char> is_fixed_;       ///< per unknown
-  std::size_t rows_ = 0, columns_ = 0;
-  std::vector<double> matrices_;  ///< [cell][row][K_bb, then K_bh]
-  std::vector<Square> inverses_;  ///< inverses of the diagonal blocks
+  std::size_t rows_ = 0;             ///< unknowns of the richer space in a cell
+  dense::Matrix slopes_;             ///< dN/dxi of the richer functions: a row for each point and coordinate
+  dense::Matrix nodal_slopes_;       ///< the same of the element's functions
+  dense::Matrix outer_slopes_;       ///< products of slopes of each richer function: rows by point, J, L
+  dense::Matrix values_;             ///< of the richer functions, a row for each point
+  /// [cell][point][i, J][k, L]: pulled back to the reference cell, with the weights. An estimate needs no
+  /// more than single precision, except beside the pressures of a nearly incompressible solid.
+  std::vector<float> tangents_;
+  std::vector<double> mixed_tangents_;  ///< those of mixed elements
+  std::vector<Pressures> pressures_;    ///< by cell; empty without
+  std::vector<Square> inverses_;        ///< inverses of the diagonal blocks
   VectorX residual_;
   bool is_convex_ = true;  ///< the volumetric energy is, in each cell
 };

@@ -28,7 +28,6 @@ std::vector<double> BodySpace<dim>::replace_pressures(const Domain& domain, std:
                                                       std::size_t last, const VectorX& x,
                                                       const StateBatch<double>& states, std::span<double> P,
                                                       std::span<double> A) const {
-  constexpr std::size_t square = dim * dim;
   const ElasticEnergy& elastic = *domain.energy;
   const std::size_t per_cell = states.count / (last - first);
   const auto own_points = static_cast<std::size_t>(elastic.num_points());
@@ -79,64 +78,52 @@ std::vector<double> BodySpace<dim>::replace_pressures(const Domain& domain, std:
 ///   K += d2U/dJ2 / V b b^T,    K_pk,. = G_k,    K_pk,pl = - int phi_k phi_l dV / d2U/dJ2,
 ///   r_pk = - int phi_k J dV
 template <int dim>
-void BodySpace<dim>::add_pressures(std::size_t cell, std::span<const PointGeometry> geometries,
-                                   std::span<const Vector3> slopes, const double* H, double stiffness,
+void BodySpace<dim>::add_pressures(std::size_t cell, const Batch& batch, std::size_t point, double stiffness,
                                    double* residuals) {
-  using Point = Eigen::Matrix<double, dim, 1>;
   is_convex_ = is_convex_ && stiffness > 0;
   const std::vector<QuadraturePoint>& points = space_.rule().points;
-  const std::size_t num_functions = space_.functions().size(), count = rows_ / dim, n = columns_ / dim;
-  const auto size = static_cast<Eigen::Index>(rows_ + columns_),
-             pressure = static_cast<Eigen::Index>(num_functions) * dim;
+  const auto count = static_cast<Eigen::Index>(num_functions()), n = static_cast<Eigen::Index>(num_nodes());
   double volume = 0;
   Point mean = Point::Zero();
   for (std::size_t q = 0; q < points.size(); ++q) {
-    volume += geometries[q].weight;
-    mean += geometries[q].weight * points[q].xi.head<dim>();
+    volume += batch.weights[point + q];
+    mean += batch.weights[point + q] * points[q].xi.head<dim>();
   }
   mean /= volume;
-  VectorX b = VectorX::Zero(size), slope(size);
-  Eigen::Matrix<double, dim, Eigen::Dynamic> G = Eigen::Matrix<double, dim, Eigen::Dynamic>::Zero(dim, size);
-  Square compliance = Square::Zero();
-  slope.setZero();
+  Pressures& made = pressures_[cell];
+  made.stiffness = stiffness / volume;
+  made.volume.setZero((count + n) * dim);
+  made.G.setZero(dim, (count + n) * dim);
+  made.compliance.setZero();
+  VectorX slope((count + n) * dim);
   for (std::size_t q = 0; q < points.size(); ++q) {
-    const PointGeometry& geometry = geometries[q];
-    const Square gradient = Eigen::Map<const Eigen::Matrix<double, dim, dim, Eigen::RowMajor>>(
-        H + q * static_cast<std::size_t>(dim * dim));
-    const Square cof = cofactor<dim>(Square::Identity() + gradient);
-    for (std::size_t f = 0; f < num_functions; ++f)
-      slope.segment<dim>(static_cast<Eigen::Index>(f) * dim) =
-          cof * (geometry.dxi_dX.transpose() * slopes[q * num_functions + f]).template head<dim>();
-    for (std::size_t a = 0; a < n; ++a)
-      slope.segment<dim>(static_cast<Eigen::Index>(count + a) * dim) =
-          cof * Eigen::Map<const Point>(geometry.gradients.data() + a * dim);
+    const double weight = batch.weights[point + q];
+    const Square gradient = Eigen::Map<const Tensor>(batch.H.data() + (point + q) * square);
+    const Square push = cofactor<dim>(Square::Identity() + gradient) * batch.dxi_dX[point + q].transpose();
+    const auto row = static_cast<Eigen::Index>(q) * dim;
+    for (Eigen::Index f = 0; f < count; ++f)
+      slope.segment<dim>(f * dim) = push * slopes_.template block<dim, 1>(row, f);
+    for (Eigen::Index a = 0; a < n; ++a)
+      slope.segment<dim>((count + a) * dim) = push * nodal_slopes_.template block<dim, 1>(row, a);
     const Point phi = points[q].xi.head<dim>() - mean;
-    b += geometry.weight * slope;
-    G += geometry.weight * phi * slope.transpose();
-    compliance += geometry.weight / stiffness * phi * phi.transpose();
-    Eigen::Map<Point>(residuals + pressure) -= geometry.weight * volume_change<dim>(gradient) * phi;
+    made.volume += weight * slope;
+    made.G += weight * phi * slope.transpose();
+    made.compliance += weight / stiffness * phi * phi.transpose();
+    Eigen::Map<Point>(residuals + count * dim) -= weight * volume_change<dim>(gradient) * phi;
   }
-  Eigen::Map<RowMajor> K(matrices_.data() + cell * rows_ * (rows_ + columns_),
-                         static_cast<Eigen::Index>(rows_), size);
-  K.topRows(pressure) += stiffness / volume * b.head(pressure) * b.transpose();
-  K.template middleRows<dim>(pressure) = G;
-  K.block(0, pressure, pressure, dim) = G.leftCols(pressure).transpose();
-  K.template block<dim, dim>(pressure, pressure) = -compliance;
 }
 
 template std::vector<double> BodySpace<2>::replace_pressures(const Domain& domain, std::size_t first,
                                                              std::size_t last, const VectorX& x,
                                                              const StateBatch<double>& states,
                                                              std::span<double> P, std::span<double> A) const;
-template void BodySpace<2>::add_pressures(std::size_t cell, std::span<const PointGeometry> geometries,
-                                          std::span<const Vector3> slopes, const double* H, double stiffness,
-                                          double* residuals);
+template void BodySpace<2>::add_pressures(std::size_t cell, const Batch& batch, std::size_t point,
+                                          double stiffness, double* residuals);
 template std::vector<double> BodySpace<3>::replace_pressures(const Domain& domain, std::size_t first,
                                                              std::size_t last, const VectorX& x,
                                                              const StateBatch<double>& states,
                                                              std::span<double> P, std::span<double> A) const;
-template void BodySpace<3>::add_pressures(std::size_t cell, std::span<const PointGeometry> geometries,
-                                          std::span<const Vector3> slopes, const double* H, double stiffness,
-                                          double* residuals);
+template void BodySpace<3>::add_pressures(std::size_t cell, const Batch& batch, std::size_t point,
+                                          double stiffness, double* residuals);
 
 }  // namespace resilin

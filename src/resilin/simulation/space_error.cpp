@@ -14,7 +14,7 @@
 namespace resilin {
 namespace {
 
-constexpr double most_bytes = 512e6;      ///< for the element matrices of all bodies
+constexpr double most_bytes = 512e6;      ///< for the tangents of all bodies
 constexpr int most_iterations = 30;       ///< iterations of conjugate gradients
 constexpr double least_gain = 0.03;       ///< least relative gain of energy by an iteration
 constexpr double solve_tolerance = 1e-2;  ///< tolerance for the element's own unknowns

@@ -18,7 +18,7 @@ struct SpaceError {
     /// their sizes stands in for it.
     double total() const;
   };
-  /// Per body; empty where the element matrices take more memory than the estimate may.
+  /// Per body; empty where the tangents take more memory than the estimate may.
   std::vector<std::optional<Change>> changes;
   /// Prescribed displacements do more work than loads: the error is one of the forces.
   bool is_driven_by_displacements = false;
