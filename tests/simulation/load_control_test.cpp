@@ -7,6 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "reference_case.hpp"
+#include "resilin/element/axisymmetric.hpp"
+#include "resilin/mesh/round_generators.hpp"
 #include "small_scenes.hpp"
 
 namespace resilin::testing {
@@ -193,6 +196,52 @@ TEST(ArcLength, FollowsAShallowArchThroughBothLimitPoints) {
   EXPECT_EQ(num_turns, 2);
   for (std::size_t i = 1; i < loads.size(); i += 3)
     EXPECT_NEAR(loads[i], load_at_displacement(heights[i]), 1e-6) << "at a displacement of " << heights[i];
+}
+
+/// A balloon of rubber, in its half section: its pressure rises to a limit point and falls. Exact for a
+/// neo-Hookean shell of constant volume: p = mu (2/b + 1/(2 b^4) - 2/a - 1/(2 a^4)), with the stretches a
+/// inside and b outside.
+TEST(ArcLength, FollowsABalloonBeyondItsLargestPressure) {
+  constexpr double inner = 0.95, outer = 1.05, shear_modulus = 1e5, largest = 2e4 /* Pa */;
+  Description scene;
+  scene.dimension = 2;
+  BodyDescription body;
+  body.element = axisymmetric_name("P2P0");
+  body.mesh = make_round({.kind = RoundKind::ring,
+                          .radius = outer,
+                          .inner_radius = inner,
+                          .degrees = 90,
+                          .radial_cells = 2,
+                          .around_cells = 16,
+                          .is_quadratic = true});
+  body.material.law = "neo_hookean_isochoric";
+  body.material.constants = {{"shear_modulus", shear_modulus}, {"bulk_modulus", 1e9}};
+  scene.bodies.push_back(body);
+  FixDescription equator = fix("equator", group("start"));
+  equator.components = {false, true, false};
+  scene.fixes.push_back(equator);
+  LoadDescription gas;
+  gas.kind = "pressure";
+  gas.where = group("inner");
+  gas.pressure = largest;
+  scene.loads.push_back(gas);
+  scene.probes.push_back(probe("pole", {0, inner, 0}));
+  scene.load_control = LoadControlKind::arc_length;
+  scene.load_steps = 10;
+  Simulation simulation(scene);
+  double peak = 0, load = 0;
+  for (int step = 0; step < 60 && load >= 0.98 * peak; ++step) {
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+    const Frame frame = simulation.frame();
+    load = frame.load;
+    peak = std::max(peak, load);
+    const double a = 1 + frame.probes[0].displacement.y() / inner;
+    const double b = std::cbrt(1 + (a * a * a - 1) * std::pow(inner / outer, 3));
+    const double pressure = shear_modulus * (2 / b + 0.5 / std::pow(b, 4) - 2 / a - 0.5 / std::pow(a, 4));
+    EXPECT_NEAR(load * largest, pressure, 2e-3 * pressure) << "at a stretch of " << a;
+  }
+  EXPECT_LT(load, 0.98 * peak);
 }
 
 TEST(Jumps, OfAnArchThatSnapsThroughIsToldOrStoppedBefore) {

@@ -61,8 +61,6 @@ void check_axisymmetry(const Description& d) {
       refuse(collider.place + ".rotate", "a rotation", "a collider is turned about the axis: take 3D");
   if (!d.ties.empty()) refuse(d.ties.front().place, "a tie", "mesh the bodies as one, with regions");
   if (!d.sections.empty()) refuse(d.sections.front().place, "a section", "take the reaction of a [[fix]]");
-  if (!d.is_dynamic && !d.modes && d.load_control == LoadControlKind::arc_length)
-    refuse(d.place + ": simulation.load_control", "arc length", "use load_control = \"load\"");
   for (const FixDescription& fix : d.fixes)
     if (fix.rotate) refuse(fix.place + ".rotate", "a rotation", "torsion is not part of the model: take 3D");
   for (const LoadDescription& load : d.loads) {
