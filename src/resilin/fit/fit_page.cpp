@@ -87,8 +87,8 @@ std::string fit_page(const FitReport& report) {
            "<div class=\"legend\">" + legend_html(report) + "</div>" + html_panels(panels) +
            html_paragraph("faint",
                           "Circles: data. The shaded range is that of the data. Lines are dashed where "
-                          "the law is unstable (Drucker's condition).") +
-           html_heading("Laws, the best first") + html_card(ranking_html(report)) + laws +
+                          "the model is unstable (Drucker's condition).") +
+           html_heading("Models, the best first") + html_card(ranking_html(report)) + laws +
            html_heading("For a scene") +
            html_paragraph("faint", "Also in material.toml: to be pasted under a [[body]].") +
            html_listing(material_toml(report))});
