@@ -286,7 +286,7 @@ TEST(Steps, ReleaseASupportWhoseForceFadesInStatics) {
   EXPECT_EQ(bar.frame().step_name, "unload");
 }
 
-/// What a load has left of reactions after it went is rounding, which no search could balance.
+/// Reactions that a load leaves when it goes are rounding, which no search could balance.
 TEST(Steps, ReleaseASupportWhoseForceIsRounding) {
   Simulation strip(read_text(R"(
 [simulation]
