@@ -121,8 +121,8 @@ std::string unit_of(std::string_view name) {
   if (name.starts_with("probe.")) return has(".velocity") ? "m/s" : "m";
   if (has(".force") || has(".normal_force")) return "N";
   if (has(".pressure") || has(".mean_pressure")) return "Pa";
-  if (has(".area")) return "m^2";
-  return has("gap") || has(".center") || has(".extent") ? "m" : "";
+  if (has(".area") || has(".reference_area")) return "m^2";
+  return has("gap") || has(".center") || has(".extent") || has(".width") ? "m" : "";
 }
 
 std::string label_of(const std::string& name) {

@@ -151,6 +151,8 @@ class ContactReport(_Contact, total=False):
     """Two bodies in contact; the force is on the second, the first feels the opposite. The rest on its surface."""
 
     area: float
+    reference_area: float
+    width: float  # in 2D
     pressure: float
     mean_pressure: float
     normal_force: float
@@ -158,16 +160,21 @@ class ContactReport(_Contact, total=False):
     extent: list[float]
 
 
-class ColliderContactReport(TypedDict):
-    """Contact of a collider: its force [N], the area [m^2] and the largest and mean pressure [Pa]."""
-
+class _ColliderContact(TypedDict):
     force: list[float]
     area: float
+    reference_area: float
     pressure: float
     mean_pressure: float
     normal_force: float
     center: list[float]
     extent: list[float]
+
+
+class ColliderContactReport(_ColliderContact, total=False):
+    """Contact of a collider: its force [N], areas [m^2], the largest and mean true pressure [Pa]. In 2D its width."""
+
+    width: float
 
 
 class _Frame(TypedDict):

@@ -124,11 +124,9 @@ Convergence::Verdict Convergence::verdict(const VectorX& diagonal, bool look_clo
   for (const Index part : doubtful)
     if (!(beyond_rounding[part] <= tolerance_ * scales_[part])) return Verdict::no;
   const VectorX acting = objective_->distinct_acting_scales(*x_, roundings, *parts_);
-  const VectorX reactions = parts_->norms(*gradient_, is_fixed_, Unknowns::fixed);
-  for (const Index part : doubtful) {
-    const double felt = std::max(acting[part], reactions[part] > roundings[part] ? reactions[part] : 0.0);
-    if (felt > 0 && !(residuals_[part] <= largest_rounding * felt)) return Verdict::out_of_digits;
-  }
+  for (const Index part : doubtful)
+    if (acting[part] > 0 && !(residuals_[part] <= largest_rounding * acting[part]))
+      return Verdict::out_of_digits;
   for (const Index part : doubtful) residuals_[part] = beyond_rounding[part];
   find_worst();
   return Verdict::yes;

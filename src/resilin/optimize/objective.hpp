@@ -64,9 +64,9 @@ class Objective {
   }
   /// The forces that must balance in each part [N]: a residual is small when it is small against this number.
   virtual VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const = 0;
-  /// The same of what acts from outside, momentum over a step among it, without reactions and without forces
-  /// that are nothing but the rounding of numbers that cancel.
-  /// @param roundings  of the gradient in each part [N]: what rounding may have set in motion is no larger
+  /// The same with momentum over a step, without forces that are but the rounding of numbers that cancel,
+  /// without grazing touches and what answers them.
+  /// @param roundings  of the gradient in each part [N]; empty: none are known, and reactions do not count
   virtual VectorX distinct_acting_scales(const VectorX& x, const VectorX& roundings,
                                          const Parts& parts) const = 0;
 };

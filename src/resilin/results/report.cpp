@@ -139,6 +139,8 @@ const std::string& body_name(const World& world, Index body) {
 
 void add_patch(const ContactPatch& patch, int dimension, Json& json) {
   json["area"] = patch.area;
+  json["reference_area"] = patch.reference_area;
+  if (dimension == 2) json["width"] = patch.width;
   json["pressure"] = patch.largest_pressure;
   json["mean_pressure"] = patch.mean_pressure();
   json["normal_force"] = patch.force;

@@ -284,7 +284,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   VectorX gradient;
   potential.gradient(x, gradient);
   const Parts parts(*world.pattern, world.share);
-  const VectorX scales = potential.distinct_acting_scales(x, VectorX::Zero(parts.count()), parts);
+  const VectorX scales = potential.distinct_acting_scales(x, VectorX(), parts);
   const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
   std::optional<VectorX> rounding;  // asked for where something is missing: it costs a matrix
   std::vector<std::string> texts;

@@ -25,6 +25,11 @@ constexpr double round_off_of_delay = 1e-12;  ///< rounding of a delay, relative
 /// Share of the sum of |parts| of a force: what is smaller cannot be told from rounding.
 constexpr double forces_round_off = 10 * std::numeric_limits<double>::epsilon();
 
+/// A touch by a force up to so many times the rounding of all forces is grazing.
+constexpr double grazing_touch = 1e4;
+/// Forces on nodes that answer a touch, relative to it: of supports, of inertia.
+constexpr double largest_answer = 10;
+
 Eigen::Index count_history(std::span<const std::shared_ptr<const Energy>> terms) {
   Eigen::Index count = 0;
   for (const auto& term : terms)
@@ -239,9 +244,20 @@ VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const
   return scales;
 }
 
-VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& roundings,
+VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& known_roundings,
                                           const Parts& parts) const {
-  VectorX scales = VectorX::Zero(parts.count());
+  struct Acting {
+    VectorX sizes, roundings;
+  };
+  std::vector<Acting> all;
+  VectorX roundings = VectorX::Zero(parts.count());
+  if (share_.any(known_roundings.size() > 0)) {
+    roundings = known_roundings;
+    VectorX forces;
+    gradient(x, forces);
+    all.push_back({parts.norms(forces, is_fixed_, Unknowns::fixed), roundings});
+  }
+  VectorX touches = VectorX::Zero(parts.count());
   VectorX force, magnitude, at_base;
   for (const Energy* term : terms_) {
     const EnergyCategory category = term->properties().category;
@@ -263,8 +279,16 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& round
       // Accelerations and velocities are what all forces left, their rounding included.
       rounding = rounding.cwiseMax(roundings);
     }
-    for (Index part = 0; part < parts.count(); ++part)
-      if (sizes[part] > rounding[part]) scales[part] = std::max(scales[part], sizes[part]);
+    if (acts_as_impulse(category)) touches = touches.cwiseMax(sizes);
+    all.push_back({std::move(sizes), std::move(rounding)});
+  }
+  VectorX scales = VectorX::Zero(parts.count());
+  for (Index part = 0; part < parts.count(); ++part) {
+    // Positions have no digits for a grazing touch: neither it nor what answers it is a load.
+    const bool is_grazing = touches[part] <= grazing_touch * roundings[part];
+    const double answer = is_grazing ? largest_answer * touches[part] : 0;
+    for (const auto& [sizes, rounding] : all)
+      if (sizes[part] > std::max(rounding[part], answer)) scales[part] = std::max(scales[part], sizes[part]);
   }
   return scales;
 }
