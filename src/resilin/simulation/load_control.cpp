@@ -8,6 +8,7 @@
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/jump.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/slide.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/linear_constraints.hpp"
@@ -102,6 +103,14 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
                    find);
 }
 
+std::string describe(const World& world, const FrictionHold::Slide& slide, double load) {
+  return "friction cannot hold \"" + world.bodies[slide.body].name + "\": at load factor " +
+         format_short(load) + " it slides, out of balance by " + format_short(slide.missing) + " N of the " +
+         format_short(slide.applied) +
+         " N that act on it; hold it, raise friction, or use a dynamic analysis " +
+         "(simulation.kind = \"dynamic\")";
+}
+
 std::string describe(const Jump& jump) {
   return "between load factors " + format_short(jump.from) + " and " + format_short(jump.to) +
          " bodies jump to another equilibrium: they lose " + format_short(jump.energy) +
@@ -151,7 +160,8 @@ StepReport LoadControl::step(const World& world, Newton& newton, State& state,
 StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& state,
                                      const NewtonObserver& observer) {
   StepReport report;
-  bool is_tight = false;
+  bool is_tight = false, was_held = false;
+  Equilibrium near;  // from where springs have led bodies that friction holds
   while (true) {
     const double load = next_load(world, state);
     Conditions conditions = world.at_load(load);
@@ -162,7 +172,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
     set_constants(world, conditions, targets);
-    VectorX x = predicted_positions(world, potential, targets, state, load);
+    VectorX x = was_held && load == near.load ? near.positions
+                                              : predicted_positions(world, potential, targets, state, load);
     NewtonSettings settings = newton_settings(world);
     if (is_tight) settings.tolerance = std::min(settings.tolerance, tight_tolerance);
     const double length = load - state.load;
@@ -230,7 +241,22 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     }
     const double smallest = is_tight ? smallest_tight_share / world.load_steps : smallest_load_increment;
     if (state.load_increment < smallest || is_out_of_digits) {
+      const double stop = next_stop(world, state.load);
+      const std::optional<FrictionHold> hold =
+          was_held ? std::nullopt : hold_by_friction(world, newton, state, stop, observer, report.newton);
+      if (hold && !hold->slide) {
+        near = {.load = stop, .positions = hold->positions};
+        was_held = true;
+        is_tight = false;
+        state.load_increment = stop - state.load;
+        continue;
+      }
       report.status = StepReport::Status::not_converged;
+      if (hold) {
+        report.reason = "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
+                        describe(world, *hold->slide, stop);
+        return report;
+      }
       report.reason =
           "no equilibrium was found beyond load factor " + format_number(state.load) + ": " +
           (delay > 0 ? "bodies block a moving collider; " : "") +

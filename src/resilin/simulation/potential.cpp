@@ -248,6 +248,7 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& known
                                           const Parts& parts) const {
   struct Acting {
     VectorX sizes, roundings;
+    bool may_answer;  // a touch, or is one
   };
   std::vector<Acting> all;
   VectorX roundings = VectorX::Zero(parts.count());
@@ -255,7 +256,7 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& known
     roundings = known_roundings;
     VectorX forces;
     gradient(x, forces);
-    all.push_back({parts.norms(forces, is_fixed_, Unknowns::fixed), roundings});
+    all.push_back({parts.norms(forces, is_fixed_, Unknowns::fixed), roundings, true});
   }
   VectorX touches = VectorX::Zero(parts.count());
   VectorX force, magnitude, at_base;
@@ -280,15 +281,17 @@ VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& known
       rounding = rounding.cwiseMax(roundings);
     }
     if (acts_as_impulse(category)) touches = touches.cwiseMax(sizes);
-    all.push_back({std::move(sizes), std::move(rounding)});
+    const bool may_answer = acts_as_impulse(category) || category == EnergyCategory::inertia;
+    all.push_back({std::move(sizes), std::move(rounding), may_answer});
   }
   VectorX scales = VectorX::Zero(parts.count());
   for (Index part = 0; part < parts.count(); ++part) {
     // Positions have no digits for a grazing touch: neither it nor what answers it is a load.
     const bool is_grazing = touches[part] <= grazing_touch * roundings[part];
     const double answer = is_grazing ? largest_answer * touches[part] : 0;
-    for (const auto& [sizes, rounding] : all)
-      if (sizes[part] > std::max(rounding[part], answer)) scales[part] = std::max(scales[part], sizes[part]);
+    for (const auto& [sizes, rounding, may_answer] : all)
+      if (sizes[part] > std::max(rounding[part], may_answer ? answer : 0.0))
+        scales[part] = std::max(scales[part], sizes[part]);
   }
   return scales;
 }
