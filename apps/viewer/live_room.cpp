@@ -51,7 +51,7 @@ void LiveRoom::handle(ClientId client, Page& page, const PageMessage& message) {
                  [&page](const Acknowledge& acknowledged) {
                    if (page.unacknowledged == acknowledged.frame) page.unacknowledged.reset();
                  },
-                 [this, &page](const ChooseField& chosen) { choose_field(page, chosen.name); },
+                 [this, &page](const ChooseField& chosen) { choose_field(page, chosen); },
                  [this, client](const auto& for_the_loop) {
                    if (mailbox_->post(client, for_the_loop)) return;
                    throw InputError(
@@ -62,27 +62,30 @@ void LiveRoom::handle(ClientId client, Page& page, const PageMessage& message) {
              message);
 }
 
-void LiveRoom::choose_field(Page& page, const std::string& name) {
-  FieldChoice choice;
-  if (!name.empty()) {
-    const News news = mailbox_->news();
-    const std::vector<std::string> known = news.scene ? news.scene->field_names : std::vector<std::string>{};
-    const auto found = std::ranges::find(known, name);
-    if (found == known.end()) {
-      throw InputError("message \"field\": name", "\"\" or one of " + join(known),
+void LiveRoom::choose_field(Page& page, const ChooseField& chosen) {
+  const News news = mailbox_->news();
+  const std::vector<std::string> names = news.scene ? news.scene->field_names : std::vector<std::string>{};
+  std::vector<std::string> vectors;
+  for (const std::string& name : names)
+    if (std::ranges::find(names, name + ".x") != names.end()) vectors.push_back(name);
+  const auto index_of = [&names](const std::string& name, const std::vector<std::string>& known,
+                                 const char* key) -> std::optional<std::size_t> {
+    if (name.empty()) return std::nullopt;
+    if (std::ranges::find(known, name) == known.end())
+      throw InputError("message \"field\": " + std::string(key), "\"\" or one of " + join(known),
                        Json(name.substr(0, 40)).dump());
-    }
-    choice = static_cast<std::size_t>(found - known.begin());
-  }
-  if (page.field == choice) return;
-  page.field = choice;
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  };
+  const FieldChoice choice{index_of(chosen.name, names, "name"), index_of(chosen.arrows, vectors, "arrows")};
+  if (page.shown == choice) return;
+  page.shown = choice;
   page.last_frame = 0;  // the same state is sent again with the other field
   announce_wanted_fields();
 }
 
 void LiveRoom::announce_wanted_fields() {
   std::set<FieldChoice> wanted;
-  for (const auto& [client, page] : pages_) wanted.insert(page.field);
+  for (const auto& [client, page] : pages_) wanted.insert(page.shown);
   mailbox_->set_wanted_fields(std::move(wanted));
 }
 
@@ -129,8 +132,9 @@ std::string LiveRoom::hello(ClientId client, Page& page, const News& news) {
   page.needs_topology = true;
   page.unacknowledged.reset();
   page.last_frame = 0;
-  if (page.field && *page.field >= news.scene->field_names.size()) {
-    page.field.reset();
+  const std::size_t num_fields = news.scene->field_names.size();
+  if (page.shown.field >= num_fields || page.shown.arrows >= num_fields) {
+    page.shown = {};
     announce_wanted_fields();
   }
   page.state_version = news.state.version;
@@ -145,7 +149,7 @@ std::optional<Outgoing> LiveRoom::next_frame(Page& page, const News& news) {
   if (page.unacknowledged || !news.snapshot) return std::nullopt;
   const Snapshot& snapshot = *news.snapshot;
   if (snapshot.generation != page.generation || snapshot.number == page.last_frame) return std::nullopt;
-  const auto frame = snapshot.frames.find(page.field);
+  const auto frame = snapshot.frames.find(page.shown);
   if (frame == snapshot.frames.end())
     return std::nullopt;  // chosen a moment ago; it comes with the next snapshot
   page.unacknowledged = page.last_frame = snapshot.number;

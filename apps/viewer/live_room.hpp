@@ -32,12 +32,12 @@ class LiveRoom : public PageService {
     bool needs_topology = false;
     std::uint32_t last_frame = 0;                 ///< the state that the page has; 0: none with its field
     std::optional<std::uint32_t> unacknowledged;  ///< number of the frame that is under way
-    FieldChoice field;
+    FieldChoice shown;
     std::deque<Word> words;
   };
 
   void handle(ClientId client, Page& page, const PageMessage& message);
-  void choose_field(Page& page, const std::string& name);
+  void choose_field(Page& page, const ChooseField& chosen);
   void announce_wanted_fields();
   void tell(Page& page, Word word);
   void take_words();

@@ -178,8 +178,8 @@ void LiveTurns::publish_snapshot(const std::set<FieldChoice>& wanted) {
   snapshot->number = ++snapshot_number_;
   const double blend = is_blending() ? std::clamp(lag_ / scene_->time_step(), 0.0, 1.0) : 1;
   try {
-    for (const FieldChoice& field : wanted) {
-      snapshot->frames[field] = shared(scene_->frame(snapshot->number, answered_drag_, field, blend));
+    for (const FieldChoice& shown : wanted) {
+      snapshot->frames[shown] = shared(scene_->frame(snapshot->number, answered_drag_, shown, blend));
     }
   } catch (const std::exception& error) {
     stop_after_fault(words_of(error));

@@ -19,9 +19,6 @@
 /// Messages between the server's thread and the simulation's thread.
 namespace resilin::viewer {
 
-/// Index of a field of the header; none: frames without a field.
-using FieldChoice = std::optional<std::size_t>;
-
 /// The scene as it is described to a page; a new one after each reload.
 struct SceneNews {
   std::uint64_t generation = 0;

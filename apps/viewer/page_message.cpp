@@ -60,6 +60,9 @@ class Fields {
     return value.get<std::string>();
   }
 
+  /// Empty where the key is not there.
+  std::string optional_text(const char* key) { return json_.contains(key) ? text(key) : std::string(); }
+
   bool flag(const char* key) {
     const Json& value = take(key, "true or false");
     if (!value.is_boolean()) refuse(key, "true or false", value);
@@ -186,7 +189,8 @@ const std::map<std::string, ReadMessage, std::less<>>& message_types() {
       {"poke", read_poke},
       {"poke_end", plain<PokeEnd>},
       {"set", read_set},
-      {"field", [](Fields& f) -> PageMessage { return ChooseField{f.text("name")}; }},
+      {"field",
+       [](Fields& f) -> PageMessage { return ChooseField{f.text("name"), f.optional_text("arrows")}; }},
       {"pause", plain<Pause>},
       {"play", plain<Play>},
       {"step", plain<SingleStep>},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -57,7 +58,8 @@ struct SetControl {
   std::optional<std::size_t> body = {};  ///< its body; none: all bodies
 };
 struct ChooseField {
-  std::string name;  ///< empty: none
+  std::string name;    ///< empty: none
+  std::string arrows;  ///< a field of vectors that arrows show; empty: none
 };
 struct Pause {};
 struct Play {};
@@ -67,6 +69,13 @@ struct Reload {};
 struct SaveScene {};
 struct Acknowledge {
   std::uint32_t frame = 0;
+};
+
+/// Fields that the frames of a page show besides the shape, as indices of the header.
+struct FieldChoice {
+  std::optional<std::size_t> field{};   ///< none: the frames have no field
+  std::optional<std::size_t> arrows{};  ///< the length of a vector, whose components come as arrows
+  auto operator<=>(const FieldChoice&) const = default;
 };
 
 class ServedScene;

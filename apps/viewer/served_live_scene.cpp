@@ -362,8 +362,23 @@ Vector3 ServedLiveScene::checked_place(const Vector3& place, const char* what) c
   return world().dimension == 2 ? Vector3(place.x(), place.y(), 0) : place;
 }
 
+void ServedLiveScene::evaluate_arrows(const ScalarField& length) {
+  Loaded& loaded = *loaded_;
+  std::vector<ScalarField> components;
+  for (const char axis : std::string_view("xyz")) {
+    const auto found = std::ranges::find(loaded.field_choices, length.name + '.' + axis, &ScalarField::name);
+    if (found != loaded.field_choices.end()) components.push_back(*found);
+  }
+  const auto n = static_cast<std::size_t>(num_vertices());
+  std::vector<std::vector<float>> values(components.size(), std::vector<float>(n));
+  loaded.fields.evaluate(loaded.evaluator, loaded.live->state(), components, values);
+  loaded.arrows.assign(3 * n, 0);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    for (std::size_t v = 0; v < n; ++v) loaded.arrows[3 * v + k] = values[k][v];
+}
+
 std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_drag,
-                                   std::optional<std::size_t> field, double blend) {
+                                   const FieldChoice& shown, double blend) {
   Loaded& loaded = *loaded_;
   const State& state = loaded.live->state();
   if (loaded.shown_frame != number) {
@@ -390,10 +405,16 @@ std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_
                   .positions = loaded.positions,
                   .normals = loaded.normals,
                   .colliders = places};
-  if (field) {
-    loaded.fields.evaluate(loaded.evaluator, state, {&loaded.field_choices[*field], 1}, {&loaded.field, 1});
-    frame.field_number = static_cast<std::uint32_t>(*field);
+  if (shown.field) {
+    loaded.fields.evaluate(loaded.evaluator, state, {&loaded.field_choices[*shown.field], 1},
+                           {&loaded.field, 1});
+    frame.field_number = static_cast<std::uint32_t>(*shown.field);
     frame.field = loaded.field;
+  }
+  if (shown.arrows) {
+    evaluate_arrows(loaded.field_choices[*shown.arrows]);
+    frame.arrows_number = static_cast<std::uint32_t>(*shown.arrows);
+    frame.arrows = loaded.arrows;
   }
   std::string bytes;
   encode_frame(frame, bytes);

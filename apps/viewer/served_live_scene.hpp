@@ -63,7 +63,7 @@ class ServedLiveScene : public ServedScene {
   double speed() const override { return loaded_->live->controls().speed; }
   bool is_at_rest() const override { return loaded_->live->report().at_rest; }
   void step(double seconds) override;
-  std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
+  std::string frame(std::uint32_t number, std::uint32_t answered_drag, const FieldChoice& shown,
                     double blend) override;
 
  private:
@@ -102,10 +102,12 @@ class ServedLiveScene : public ServedScene {
     double previous_time = 0;                       ///< [s]
     Conditions previous_conditions{};
     std::uint32_t shown_frame = 0;  ///< frame whose places and normals the buffers hold
-    std::vector<float> positions, normals, field;
+    std::vector<float> positions, normals, field, arrows;
   };
 
   std::optional<std::uint32_t> shown_vertex(Index node) const;
+  /// Writes the vectors of a field into `Loaded::arrows`, three numbers for each vertex.
+  void evaluate_arrows(const ScalarField& length);
   void forget_previous_state();
   void grab(const Grab& grab);
   void hold(const HoldFace& hold);

@@ -40,10 +40,10 @@ class ServedScene {
   virtual void step(double seconds) = 0;
 
   /// A frame.
-  /// @param field  index into `field_names`
+  /// @param shown  indices into `field_names`
   /// @param blend  1: the present state; less: that much of the way to it from the state one step before
-  virtual std::string frame(std::uint32_t number, std::uint32_t answered_drag,
-                            std::optional<std::size_t> field, double blend) = 0;
+  virtual std::string frame(std::uint32_t number, std::uint32_t answered_drag, const FieldChoice& shown,
+                            double blend) = 0;
 };
 
 }  // namespace resilin::viewer

@@ -76,6 +76,28 @@ TEST(FrameCodec, KeepsPlacesNormalsAndTheFieldWithinHalfAQuantum) {
   }
 }
 
+TEST(FrameCodec, KeepsArrowsWithinHalfAStepOfTheLargestComponent) {
+  for (const std::size_t n : {1001U, 1002U}) {
+    const SampleFrame sample(n);
+    LiveFrame given = sample.frame();
+    std::vector<float> arrows = sample.normals;
+    arrows[0] = nan;
+    given.arrows = arrows;
+    given.arrows_number = 5;
+    const std::vector<float> places(numbers_per_collider, 1.5F);
+    given.colliders = places;
+    const DecodedFrame frame = decode_frame(encoded(given));
+    EXPECT_EQ(frame.arrows_number, 5U);
+    EXPECT_EQ(frame.field.size(), n);
+    EXPECT_EQ(frame.colliders, places);
+    ASSERT_EQ(frame.arrows.size(), arrows.size());
+    EXPECT_EQ(frame.arrows[0], 0);
+    for (std::size_t i = 1; i < arrows.size(); ++i)  // directions: the largest component is at most 1
+      ASSERT_LE(std::abs(frame.arrows[i] - arrows[i]), 0.51F / 32767);
+    EXPECT_THROW(decode_frame(encoded(given).substr(0, 64 + 8 * n)), InputError);
+  }
+}
+
 TEST(FrameCodec, SendsTheEndsOfTheBoxAndOfTheFieldExactly) {
   const std::vector<float> positions = {-1, 2, 0, 3, 5, 0}, field = {-4, 12};
   const DecodedFrame frame = decode_frame(encoded({.positions = positions, .field = field}));

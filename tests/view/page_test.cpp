@@ -63,6 +63,16 @@ TEST(ViewHeader, OfAPlaneHasYUp) {
   const ShownSurface surface(world);
   const json header = json::parse(encode_header({.title = {}, .version = {}, .fields = {}}, world, surface));
   EXPECT_EQ(header["up"], json({0, 1, 0}));
+  EXPECT_EQ(header["forces_per_metre"], true);
+}
+
+TEST(ViewHeader, SaysThatForcesAreThoseOfTheThickness) {
+  Description description = small_bar(2, true);
+  description.thickness = 0.01;
+  const World world(description);
+  const ShownSurface surface(world);
+  const json header = json::parse(encode_header({.title = {}, .version = {}, .fields = {}}, world, surface));
+  EXPECT_EQ(header["forces_per_metre"], false);
 }
 
 }  // namespace

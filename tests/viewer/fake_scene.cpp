@@ -53,7 +53,8 @@ void FakeServedScene::step(double) {
 }
 
 std::string FakeServedScene::frame(std::uint32_t number, std::uint32_t answered_drag,
-                                   std::optional<std::size_t> field, double) {
+                                   const FieldChoice& shown, double) {
+  const std::optional<std::size_t> field = shown.field;
   const std::size_t field_bytes = field ? 2U * num_vertices_ : 0U;
   std::string bytes(64 + 6U * num_vertices_ + field_bytes, '\0');
   const auto write = [&bytes](std::size_t offset, auto value) {

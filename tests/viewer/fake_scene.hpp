@@ -45,7 +45,7 @@ class FakeServedScene : public ServedScene {
   double speed() const override { return controls_.speed; }
   bool is_at_rest() const override { return switches_->rests; }
   void step(double seconds) override;
-  std::string frame(std::uint32_t number, std::uint32_t answered_drag, std::optional<std::size_t> field,
+  std::string frame(std::uint32_t number, std::uint32_t answered_drag, const FieldChoice& shown,
                     double blend) override;
 
  private:

@@ -69,6 +69,7 @@ const std::vector<std::string>& good_texts() {
       R"({"type": "set", "key": "gravity", "value": [0, -9.81, 0]})",
       R"({"type": "set", "key": "law", "value": "stable_neo_hookean"})",
       R"({"type": "field", "name": "von_mises"})",
+      R"({"type": "field", "name": "", "arrows": "velocity"})",
       R"({"type": "step"})",
       R"({"type": "reset"})",
   };

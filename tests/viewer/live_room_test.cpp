@@ -237,6 +237,8 @@ TEST(LiveRoom, GivesEachPageTheFieldThatItChooses) {
   EXPECT_EQ(other.receive_frame().size(), plain);
   one.send_text(R"({"type": "field", "name": "von_mise"})");
   EXPECT_THAT(one.receive_text("error"), HasSubstr("one of displacement, von_mises"));
+  one.send_text(R"({"type": "field", "name": "", "arrows": "von_mises"})");
+  EXPECT_THAT(one.receive_text("error"), HasSubstr("arrows"));
 }
 
 TEST(LiveRoom, LetsOnePageDragAndAnotherAfterIt) {

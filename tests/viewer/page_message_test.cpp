@@ -72,6 +72,8 @@ TEST(PageMessage, OfEachTypeIsRead) {
   read_as<SaveScene>(R"({"type": "save"})");
   read_as<PokeEnd>(R"({"type": "poke_end"})");
   EXPECT_EQ(read_as<ChooseField>(R"({"type": "field", "name": ""})").name, "");
+  EXPECT_EQ(read_as<ChooseField>(R"({"type": "field", "name": "", "arrows": "velocity"})").arrows,
+            "velocity");
   read_as<Pause>(R"({"type": "pause"})");
   read_as<Play>(R"({"type": "play"})");
   read_as<SingleStep>(R"({"type": "step"})");
@@ -139,6 +141,7 @@ TEST(PageMessage, ThatIsWrongIsRefusedInOneLineThatSaysWhatWasExpected) {
       {R"({"type": "set", "key": "gravity", "value": -9.81})", "three finite numbers, got -9.81"},
       {R"({"type": "set", "key": "speed"})", "\"set\": value: expected a finite number, got none"},
       {R"({"type": "field", "name": 3})", "a text, got 3"},
+      {R"({"type": "field", "name": "", "arrows": 3})", "arrows: expected a text, got 3"},
   };
   for (const auto& [text, expected] : cases) {
     const std::string why = refusal(text);

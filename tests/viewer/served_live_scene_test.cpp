@@ -39,7 +39,7 @@ struct ServedLiveSceneTest : ::testing::Test {
   ServedLiveScene scene{[this] { return read_scene_from_text(text, "jelly.toml", "."); }};
 
   DecodedFrame frame(std::optional<std::size_t> field = std::nullopt, double blend = 1) {
-    return decode_frame(scene.frame(++number, 0, field, blend));
+    return decode_frame(scene.frame(++number, 0, {.field = field}, blend));
   }
   Vector3 vertex(std::uint32_t v) {
     const std::vector<float> x = frame().positions;
@@ -83,6 +83,25 @@ TEST_F(ServedLiveSceneTest, DescribesTheScene) {
   EXPECT_EQ(values["time_step"], 0.01);
   EXPECT_EQ(values["ground"], false);
   EXPECT_EQ(values["ground_height"], 0) << "the floor would be under the lowest vertex";
+}
+
+TEST_F(ServedLiveSceneTest, SendsTheVectorsOfAFieldAsArrows) {
+  const std::vector<std::string> names = scene.field_names();
+  const auto velocity = static_cast<std::size_t>(std::ranges::find(names, "velocity") - names.begin());
+  ASSERT_LT(velocity, names.size());
+  EXPECT_TRUE(frame().arrows.empty());
+  run(1);
+  const Vector3 before = vertex(top());
+  run(1);
+  const std::uint32_t v = top();
+  const DecodedFrame shown = decode_frame(scene.frame(++number, 0, {.field = {}, .arrows = velocity}, 1));
+  EXPECT_TRUE(shown.field.empty());
+  EXPECT_EQ(shown.arrows_number, velocity);
+  ASSERT_EQ(shown.arrows.size(), shown.positions.size());
+  // Backward Euler: the velocity is the way of the last step over its time of 0.01 s.
+  const double speed = (vertex(v).z() - before.z()) / 0.01;
+  EXPECT_LT(speed, 0) << "it sags";
+  EXPECT_NEAR(static_cast<double>(shown.arrows[3 * v + 2]), speed, 0.02 * std::abs(speed));
 }
 
 TEST_F(ServedLiveSceneTest, ListsItsControlsForThePanel) {

@@ -16,8 +16,9 @@ static_assert(std::endian::native == std::endian::little, "frames are written as
 constexpr std::uint32_t frame_mark = 0x31465352;     // "RSF1"
 constexpr std::uint32_t topology_mark = 0x31545352;  // "RST1"
 constexpr std::size_t header_size = 64;
-constexpr std::uint32_t has_normals = 1, has_field = 2, has_colliders = 4;
-constexpr float steps = 65535;  // steps of a place in its box
+constexpr std::uint32_t has_normals = 1, has_field = 2, has_colliders = 4, has_arrows = 8;
+constexpr float steps = 65535;        // steps of a place in its box
+constexpr float arrow_steps = 32767;  // steps of the largest component of an arrow
 
 /// The fixed part of a frame, in the order of docs/view_protocol.md.
 struct Header {
@@ -29,16 +30,25 @@ struct Header {
 };
 static_assert(sizeof(Header) == header_size);
 
+/// The beginning of the arrows.
+struct ArrowsHeader {
+  std::uint32_t number;
+  float greatest;
+};
+static_assert(sizeof(ArrowsHeader) == 8);
+
 constexpr std::size_t padded(std::size_t size) { return (size + 3) / 4 * 4; }
 
 /// Where the parts of a frame begin; those of colliders go on to its end.
 struct Layout {
-  std::size_t normals, field, colliders;
+  std::size_t normals, field, arrows, colliders;
 
   Layout(std::size_t n, std::uint32_t parts)
       : normals(header_size + padded(6 * n)),
         field(normals + (parts & has_normals ? padded(2 * n) : 0)),
-        colliders(field + (parts & has_field ? (parts & has_colliders ? padded(2 * n) : 2 * n) : 0)) {}
+        arrows(field +
+               (parts & has_field ? (parts & (has_arrows | has_colliders) ? padded(2 * n) : 2 * n) : 0)),
+        colliders(arrows + (parts & has_arrows ? sizeof(ArrowsHeader) + padded(6 * n) : 0)) {}
 };
 
 template <class T>
@@ -80,6 +90,20 @@ void encode_positions(std::span<const float> positions, const FloatBox& box, std
   for (std::size_t i = 0; i < positions.size(); i += 3)
     for (std::size_t k = 0; k < 3; ++k)
       out[i + k] = rounded_step((positions[i + k] - box.corner[k]) * scale[k]);
+}
+
+/// Components in steps of the greatest one.
+void encode_arrows(const LiveFrame& frame, char* out) {
+  ArrowsHeader header{frame.arrows_number, 0};
+  for (const float value : frame.arrows)
+    if (std::isfinite(value)) header.greatest = std::max(header.greatest, std::abs(value));
+  std::memcpy(out, &header, sizeof header);
+  auto* components = reinterpret_cast<std::int16_t*>(out + sizeof header);
+  for (std::size_t i = 0; i < frame.arrows.size(); ++i) {
+    const float share =
+        header.greatest > 0 && std::isfinite(frame.arrows[i]) ? frame.arrows[i] / header.greatest : 0;
+    components[i] = static_cast<std::int16_t>(std::lround(share * arrow_steps));
+  }
 }
 
 /// Octahedral map of directions to a square. Source: Meyer, Suessmuth, Sussner, Stamminger & Greiner 2010,
@@ -134,9 +158,9 @@ float decode_field(std::uint16_t step, FieldRange range) {
 
 void encode_frame(const LiveFrame& frame, std::string& bytes) {
   const std::size_t n = frame.positions.size() / 3;
-  const std::uint32_t parts = (frame.normals.empty() ? 0 : has_normals) |
-                              (frame.field.empty() ? 0 : has_field) |
-                              (frame.colliders.empty() ? 0 : has_colliders);
+  const std::uint32_t parts =
+      (frame.normals.empty() ? 0 : has_normals) | (frame.field.empty() ? 0 : has_field) |
+      (frame.arrows.empty() ? 0 : has_arrows) | (frame.colliders.empty() ? 0 : has_colliders);
   const Layout layout(n, parts);
   bytes.assign(layout.colliders + frame.colliders.size_bytes(), '\0');
   const FloatBox box = box_of(frame.positions);
@@ -158,6 +182,7 @@ void encode_frame(const LiveFrame& frame, std::string& bytes) {
     encode_normals(frame.normals, reinterpret_cast<std::int8_t*>(bytes.data() + layout.normals));
   if (parts & has_field)
     encode_field(frame.field, range, reinterpret_cast<std::uint16_t*>(bytes.data() + layout.field));
+  if (parts & has_arrows) encode_arrows(frame, bytes.data() + layout.arrows);
   if (parts & has_colliders)
     std::memcpy(bytes.data() + layout.colliders, frame.colliders.data(), frame.colliders.size_bytes());
 }
@@ -242,6 +267,14 @@ DecodedFrame decode_frame(std::string_view bytes) {
   if (header.parts & has_field)
     for (std::size_t v = 0; v < n; ++v)
       frame.field.push_back(decode_field(read_at<std::uint16_t>(bytes, layout.field + 2 * v), frame.range));
+  if (header.parts & has_arrows) {
+    const auto arrows = read_at<ArrowsHeader>(bytes, layout.arrows);
+    frame.arrows_number = arrows.number;
+    for (std::size_t i = 0; i < 3 * n; ++i) {
+      const auto step = read_at<std::int16_t>(bytes, layout.arrows + sizeof arrows + 2 * i);
+      frame.arrows.push_back(arrows.greatest * (static_cast<float>(step) / arrow_steps));
+    }
+  }
   for (std::size_t at = layout.colliders; at < bytes.size(); at += sizeof(float))
     frame.colliders.push_back(read_at<float>(bytes, at));
   return frame;

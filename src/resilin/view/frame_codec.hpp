@@ -34,6 +34,8 @@ struct LiveFrame {
   std::span<const float> normals{};    ///< 3 per vertex; empty: none are sent
   std::uint32_t field_number = 0;      ///< in the header's list
   std::span<const float> field{};      ///< 1 per vertex; empty: none is sent
+  std::uint32_t arrows_number = 0;     ///< field whose vectors the arrows are, in the header's list
+  std::span<const float> arrows{};     ///< 3 per vertex; empty: none are sent
   std::span<const float> colliders{};  ///< where they are: see collider_places
 };
 
@@ -42,7 +44,7 @@ inline constexpr std::size_t numbers_per_collider = 12;
 std::vector<float> collider_places(std::span<const ShownCollider> colliders, const Conditions& c);
 
 /// Writes the frame into `bytes`, whose memory is used again. A place that is not a number stands at the
-/// lower corner of the box, a field's at 0.
+/// lower corner of the box, a field's at 0; a component of an arrow is then 0.
 void encode_frame(const LiveFrame& frame, std::string& bytes);
 
 /// Triangles and edges of a shown surface and its colliders, in bytes.
@@ -58,6 +60,8 @@ struct DecodedFrame {
   FieldRange range;                       ///< range of the field
   std::vector<float> positions{}, normals{};
   std::vector<float> field{};  ///< nan where there was no number
+  std::uint32_t arrows_number = 0;
+  std::vector<float> arrows{};
   std::vector<float> colliders{};
 };
 

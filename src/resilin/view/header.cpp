@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "resilin/view/shown_marks.hpp"
+#include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/meeting_surface.hpp"
 #include "resilin/world/rigid_shape.hpp"
 
@@ -106,6 +107,7 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
   json["marks"] = Json::array();
   for (const ShownMark& mark : shown_marks(world, surface)) json["marks"].push_back(mark_json(mark));
   if (header.ground) json["ground"] = *header.ground;
+  if (world.dimension == 2) json["forces_per_metre"] = !is_axisymmetric(world) && world.thickness == 1;
   json["fields"] = fields_json(header.fields, world);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

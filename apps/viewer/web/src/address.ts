@@ -13,7 +13,7 @@ export interface SharedView {
   range?: [number, number];
 }
 
-const SWITCHES = ["wireframe", "cells", "cut", "cutFlip", "parallel", "vectors"] as const;
+const SWITCHES = ["wireframe", "cells", "cut", "cutFlip", "parallel"] as const;
 
 export function writeAddress(view: SharedView): string {
   const parts: string[] = [];
@@ -28,6 +28,7 @@ export function writeAddress(view: SharedView): string {
   if (on.length > 0) parts.push(`show=${on.join(",")}`);
   if (view.look?.cut) parts.push(`cut=${view.look.cutAxis}${view.look.cutAt}`);
   if (view.look?.colorMap && view.look.colorMap !== "viridis") parts.push(`colors=${view.look.colorMap}`);
+  if (view.look?.arrows) parts.push(`arrows=${encodeURIComponent(view.look.arrows)}`);
   if (view.range) parts.push(`range=${view.range.join(",")}`);
   return `#${parts.join("&")}`;
 }
@@ -54,6 +55,7 @@ export function readAddress(hash: string): SharedView {
   if (cut && Number(cut[2]) <= 1) Object.assign(view.look, { cutAxis: cut[1], cutAt: Number(cut[2]) });
   const colors = words.get("colors");
   if (colors !== null && colors in COLOR_MAPS) view.look.colorMap = colors as ColorMap;
+  view.look.arrows = words.get("arrows") ?? (on.includes("vectors") ? "displacement" : ""); // as links once had it
   const range = numbers("range");
   if (range.length === 2 && range.every(Number.isFinite) && range[0] < range[1]) view.range = [range[0], range[1]];
   return view;

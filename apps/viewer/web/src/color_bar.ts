@@ -15,6 +15,9 @@ export class ColorBar {
   private readonly bottom: HTMLInputElement;
   private readonly ticks = element("div", { class: "bar-ticks" });
   private readonly ramp = element("div", { class: "bar-ramp" });
+  private readonly arrows = element("div", { class: "bar-arrows", data: "bar-arrows", hidden: true });
+  private readonly body: HTMLElement;
+  private hasField = false;
   private readonly note = element("div", { class: "bar-note", data: "bar-note", hidden: true });
   private ticksOf = "";
   private readonly automatic: HTMLButtonElement;
@@ -50,19 +53,10 @@ export class ColorBar {
     );
     this.setMap("viridis");
     this.title.append(this.name, " ", this.unit);
-    this.root = element(
-      "div",
-      { class: "card bar", data: "color-bar", hidden: true },
-      this.title,
-      element(
-        "div",
-        { class: "bar-body" },
-        this.ramp,
-        element("div", { class: "bar-marks" }, this.top, this.ticks, this.bottom),
-      ),
-      this.automatic,
-      this.note,
-    );
+    const marks = element("div", { class: "bar-marks" }, this.top, this.ticks, this.bottom);
+    this.body = element("div", {}, this.title, element("div", { class: "bar-body" }, this.ramp, marks), this.automatic);
+    const card = { class: "card bar", data: "color-bar", hidden: true };
+    this.root = element("div", card, this.body, this.note, this.arrows);
   }
 
   setMap(map: ColorMap): void {
@@ -75,9 +69,21 @@ export class ColorBar {
     this.note.hidden = words === "";
   }
 
+  /** One line on the arrows; empty: there are none. */
+  setArrows(words: string): void {
+    setText(this.arrows, words);
+    this.showParts();
+  }
+
+  private showParts(): void {
+    this.body.hidden = !this.hasField;
+    this.arrows.hidden = this.arrows.textContent === "";
+    this.root.hidden = this.body.hidden && this.arrows.hidden;
+  }
+
   /** The colour bar as a film shows it: null where there are no colours. */
   get shown(): { title: string; ends: [number, number]; ticks: number[] } | null {
-    if (this.root.hidden) return null;
+    if (!this.hasField) return null;
     const [low, high] = this.range.map((value) => value / this.factor);
     return { title: this.title.textContent ?? "", ends: [low, high], ticks: innerTicks(low, high) };
   }
@@ -94,7 +100,8 @@ export class ColorBar {
 
   /** `typed`: the range is the user's own. */
   set(field: Field | null, range: [number, number], typed: boolean): void {
-    this.root.hidden = field === null;
+    this.hasField = field !== null;
+    this.showParts();
     if (!field) return;
     setText(this.name, field.label);
     const { factor, name } = scaledUnit(Math.max(Math.abs(range[0]), Math.abs(range[1])), field.unit);

@@ -8,6 +8,7 @@ import { NumberSlider } from "./number_slider";
 import type { DrawingChoice } from "./pace";
 import type { Field } from "./protocol";
 import type { Theme, ThemeChoice } from "./theme";
+import { vectorFields } from "./vectors";
 import type { Look, Viewport } from "./viewport";
 
 export interface DisplayChoices extends Look {
@@ -19,6 +20,7 @@ export interface DisplayChoices extends Look {
 export interface DisplayEvents {
   field(name: string): void;
   look(): void;
+  arrows(name: string): void;
   drawing(choice: DrawingChoice): void;
   complain(words: string): void;
   mostDeformed?: number; // at the end of the slider
@@ -94,7 +96,11 @@ export class DisplayPanel {
         events.deform,
       );
     }
-    named(folder.add(choices, "vectors"), "vectors", "Displacement arrows");
+    const vectors = Object.fromEntries(vectorFields(fields).map(({ label, name }) => [label, name]));
+    named(folder.add(choices, "arrows", { none: "", ...vectors }), "arrows", "Arrows").onChange((name: string) => {
+      apply();
+      events.arrows(name);
+    });
     named(folder.add(choices, "wireframe"), "wireframe", "Wireframe (w)");
     if (!viewport.flat) named(folder.add(choices, "edges"), "edges", "Edges (e)");
     if (parts.some((_, i) => !viewport.isShown(i))) named(folder.add(choices, "cells"), "cells", "Coarse cells (c)");

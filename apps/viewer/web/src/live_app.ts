@@ -14,6 +14,7 @@ import { Opener } from "./opener";
 import { Overlays } from "./overlays";
 import type { ControlValue, Frame, Hello, PageMessage, State, Topology } from "./protocol";
 import { Shell } from "./shell";
+import { vectorFields } from "./vectors";
 import type { Viewport } from "./viewport";
 import { Strip } from "./strip";
 import { goTo, type WordsOfStart } from "./taking_up";
@@ -101,6 +102,7 @@ export class LiveApp {
     });
     this.shell = new Shell("live", this.overlays, {
       fieldChosen: (name) => this.chooseField(name),
+      arrowsChosen: () => this.sendField(),
       themeChanged: () => {
         this.strip.redraw();
         this.line.redraw();
@@ -232,6 +234,8 @@ export class LiveApp {
     if (this.start) this.describe(this.start);
     this.isFirstScene = false;
     choices.field = nameOfField(hello.fields, choices.field);
+    if (!vectorFields(hello.fields).some(({ name }) => name === choices.arrows)) choices.arrows = "";
+    viewport.setLook(choices);
     this.shell.addDisplay({ look: () => this.addressBar.changed() });
     this.shell
       .display!.folder.add({ visible: true }, "visible")
@@ -316,8 +320,14 @@ export class LiveApp {
   private chooseField(name: string): void {
     this.shell.forgetRange();
     this.shell.choices.field = name;
+    this.sendField();
+  }
+
+  /** Tells the program what frames are to hold; the page forms displacements itself. */
+  private sendField(): void {
+    const { field: name, arrows } = this.shell.choices;
     this.addressBar.changed();
-    this.connection.send({ type: "field", name });
+    this.connection.send({ type: "field", name, ...(arrows === "" || arrows === "displacement" ? {} : { arrows }) });
   }
 
   private chooseTool(tool: Tool): void {

@@ -81,8 +81,10 @@ export class Plots {
     this.mark(this.marked);
   }
 
+  /** 2: forces and energies are those of a metre of depth. */
   private get dimension(): 2 | 3 {
-    return this.values.recording.header.dimension;
+    const { dimension, forces_per_metre: perMetre = true } = this.values.recording.header;
+    return dimension === 2 && perMetre ? 2 : 3;
   }
 
   private chart(

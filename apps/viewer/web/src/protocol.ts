@@ -79,6 +79,7 @@ const headerShape = {
   fields: list(readField),
   colliders: optional(list(collider)),
   marks: optional(list(mark)),
+  forces_per_metre: optional(flag), // in 2D: forces and energies are those of a metre of depth; if it is not there, too
 };
 
 export const readHeader = object({
@@ -195,6 +196,14 @@ export interface Frame {
   fieldValues: Uint16Array | null;
   colliders: Float32Array | null; // where they are, 12 numbers each
   load?: number; // factor, of recordings
+  arrows?: Arrows | null;
+}
+
+/** Vectors at the vertices. */
+export interface Arrows {
+  field: number; // place of their length in the header's list
+  greatest: number | null; // largest length over all frames; null: that of this frame alone is known
+  vectors: Float32Array; // three numbers for each vertex
 }
 
 const TOPOLOGY = 0x31545352; // "RST1"
@@ -268,6 +277,8 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
   }
   const fieldValues = flags & 2 ? new Uint16Array(buffer, offset, vertices) : null;
   if (fieldValues) offset = aligned(offset + 2 * vertices);
+  const arrows = flags & 8 ? decodeArrows(buffer, offset, vertices) : null;
+  if (arrows) offset += 8 + aligned(6 * vertices);
   const colliders = flags & 4 ? new Float32Array(buffer, offset) : null;
   return {
     number: view.getUint32(4, true),
@@ -280,7 +291,15 @@ export function decodeFrame(buffer: ArrayBuffer, positions: Float32Array): Frame
     normals,
     fieldValues,
     colliders,
+    arrows,
   };
+}
+
+function decodeArrows(buffer: ArrayBuffer, offset: number, vertices: number): Arrows {
+  const view = new DataView(buffer);
+  const scale = view.getFloat32(offset + 4, true) / 32767;
+  const vectors = Float32Array.from(new Int16Array(buffer, offset + 8, 3 * vertices), (step) => scale * step);
+  return { field: view.getUint32(offset, true), greatest: null, vectors };
 }
 
 // Messages of the page.
@@ -302,7 +321,7 @@ export type PageMessage =
   | { type: "poke"; center: Vector; radius: number }
   | { type: "poke_end" }
   | { type: "set"; key: string; value: ControlValue; body?: number }
-  | { type: "field"; name: string } // "": none
+  | { type: "field"; name: string; arrows?: string } // "": none
   | { type: "settle" } // to the equilibrium
   | {
       type: "load";

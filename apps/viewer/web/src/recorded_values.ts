@@ -3,7 +3,7 @@
  * are fetched.
  */
 
-import { type Field, type Frame, vertexCount } from "./protocol";
+import { type Arrows, type Field, type Frame, vertexCount } from "./protocol";
 import type { RecordedFrame, Recording } from "./recording";
 
 /** A field at the vertices, frame by frame of a recording. */
@@ -169,6 +169,46 @@ export class RecordedValues {
       load: recorded.load,
     };
   }
+
+  /** Places in `fields` of the components of a vector, in the order of the axes. */
+  private componentsOf(name: string): number[] {
+    const places = [..."xyz"].map((axis) => this.fields.findIndex((field) => field.name === `${name}.${axis}`));
+    return places.filter((place) => place >= 0);
+  }
+
+  /** Fetches the components of a vector that are not there yet; null: all are. */
+  loadVectors(name: string): Promise<unknown> | null {
+    const missing = name === "" ? [] : this.componentsOf(name).filter((field) => !this.isReady(field));
+    return missing.length === 0 ? null : Promise.all(missing.map((field) => this.load(field)));
+  }
+
+  /** The vectors of a field at the vertices; null where they are not there. */
+  arrows(index: number, name: string): Arrows | null {
+    const field = this.fields.findIndex((entry) => entry.name === name);
+    const components = this.componentsOf(name);
+    if (field < 0 || components.length === 0 || !components.every((place) => this.isReady(place))) return null;
+    const vectors = new Float32Array(this.positions.length);
+    components.forEach((place, k) => {
+      for (let v = 0; v < vectors.length / 3; ++v) vectors[3 * v + k] = this.value(index, place, v) || 0;
+    });
+    return { field, greatest: this.largestLength(name, components), vectors };
+  }
+
+  /** The largest length of a vector over all frames. */
+  private largestLength(name: string, components: number[]): number {
+    const known = this.lengths.get(name);
+    if (known !== undefined) return known;
+    let largest = 0;
+    for (let index = 0; index < this.recording.frames.length; ++index)
+      for (let v = 0; v < this.positions.length / 3; ++v) {
+        const square = components.reduce((sum, place) => sum + (this.value(index, place, v) || 0) ** 2, 0);
+        largest = Math.max(largest, square);
+      }
+    this.lengths.set(name, Math.sqrt(largest));
+    return Math.sqrt(largest);
+  }
+
+  private readonly lengths = new Map<string, number>(); // by the names of vectors
 
   rangeOfFrame(index: number, field: number): [number, number] {
     const { ranges, shown = ranges } = this.of(field);

@@ -18,6 +18,7 @@ import type { Report } from "./report";
 import { Shell } from "./shell";
 import { goTo, type TakingUp } from "./taking_up";
 import { Timeline } from "./timeline";
+import { vectorFields } from "./vectors";
 import { joined, type Viewport } from "./viewport";
 import * as THREE from "three";
 
@@ -68,6 +69,7 @@ export class ResultsApp {
     const { recording } = values;
     this.shell = new Shell("recorded", this.overlays, {
       fieldChosen: (name) => this.chooseField(name),
+      arrowsChosen: (name) => void this.chooseArrows(name),
       themeChanged: () => this.plots?.redraw(),
       cameraMoved: () => this.addressBar.changed(),
       rangeChanged: () => this.showRange(),
@@ -250,6 +252,21 @@ export class ResultsApp {
     );
   }
 
+  /** Arrows are drawn when their components are there. */
+  private async chooseArrows(name: string): Promise<void> {
+    this.wanted ??= this.timeline?.index ?? 0;
+    this.addressBar.changed();
+    try {
+      const loading = this.values.loadVectors(name);
+      if (loading) this.overlays.say("Arrows are being computed …", "fine");
+      await loading;
+      if (loading) this.overlays.hush();
+    } catch (error) {
+      this.overlays.say(error instanceof Error ? error.message : String(error));
+    }
+    this.wanted ??= this.timeline.index;
+  }
+
   private showField(field: number, range: [number, number] | null): void {
     this.field = field;
     this.overlays.hush();
@@ -275,6 +292,7 @@ export class ResultsApp {
     this.hasMoved = false;
     if (this.wanted === null) return null;
     const frame = this.values.frame(this.wanted, this.field, this.swing, this.scale);
+    frame.arrows = this.values.arrows(this.wanted, this.shell.choices.arrows);
     const viewport = this.shell.viewport!;
     viewport.setFrame(frame);
     if (this.field < 0) this.shell.bar.set(null, [0, 1], false);
@@ -309,8 +327,10 @@ export class ResultsApp {
     if (location.hash === "") view.field = this.values.fields[first].name;
     Object.assign(shell.choices, view.look);
     shell.choices.field = nameOfField(this.values.fields, view.field ?? "");
+    if (!vectorFields(this.values.fields).some(({ name }) => name === shell.choices.arrows)) shell.choices.arrows = "";
     shell.display!.refresh();
     shell.viewport!.setLook(shell.choices);
+    void this.chooseArrows(shell.choices.arrows);
     this.chooseField(shell.choices.field, view.range ?? null);
     if (view.camera) shell.lookFrom(view.camera);
     this.timeline.seek(view.frame ?? this.mostTelling(first));

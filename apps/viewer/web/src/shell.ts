@@ -25,6 +25,7 @@ import { Theme } from "./theme";
 
 export interface ShellEvents {
   fieldChosen(name: string): void;
+  arrowsChosen(name: string): void; // "": none
   themeChanged(): void;
   cameraMoved(): void;
   rangeChanged(range: [number, number] | null): void; // null: the user wants that of the values
@@ -122,6 +123,7 @@ export class Shell {
       numCreases: () => this.viewport?.numCreases ?? 0,
       isParallel: () => this.viewport?.orbit.isParallel ?? false,
       pose: () => this.viewport?.orbit.pose,
+      arrows: () => this.viewport?.arrows,
       arrowBox: () => this.viewport?.sceneMarks.arrowBox ?? [],
       loadFactors: () => this.viewport?.sceneMarks.factors ?? [],
       dotPlaces: () => this.viewport?.sceneMarks.dotVertices ?? [],
@@ -283,8 +285,12 @@ export class Shell {
       pen.fillText(plain(tick), x + width + 7 * scale, y + height * (1 - (tick - low) / (high - low)));
   }
 
-  addDisplay(events: Omit<DisplayEvents, "field" | "drawing" | "complain">): void {
-    const all = { ...events, field: (name: string) => this.events.fieldChosen(name) };
+  addDisplay(events: Omit<DisplayEvents, "field" | "arrows" | "drawing" | "complain">): void {
+    const all = {
+      ...events,
+      field: (name: string) => this.events.fieldChosen(name),
+      arrows: (name: string) => this.events.arrowsChosen(name),
+    };
     this.display = new DisplayPanel(this.gui!, this.choices, this.viewport!, this.theme, {
       ...all,
       look: () => {
@@ -383,9 +389,17 @@ export class Shell {
     if (force) this.viewport?.touch();
     const drawn = this.viewport?.draw() ?? false;
     if (drawn) this.triad.follow(this.viewport!.orbit);
+    if (drawn) this.nameArrows();
     if (drawn && this.viewport?.frame) ++this.inspected.framesDrawn;
     if (frame) this.events.drawn(frame);
     return drawn;
+  }
+
+  /** Says beside the colours what the longest arrow stands for. */
+  private nameArrows(): void {
+    const { count, longest } = this.viewport!.arrows;
+    const field = this.viewport!.header.fields.find(({ name }) => name === this.choices.arrows);
+    this.bar.setArrows(field && count > 0 ? `longest arrow: ${field.label} ${withUnit(longest, field.unit)}` : "");
   }
 
   /** Turns a switch of the display on and off, as its key does. */

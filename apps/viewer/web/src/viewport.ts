@@ -23,7 +23,7 @@ export interface Look {
   wireframe: boolean;
   edges: boolean; // those of the body's shape
   parallel: boolean; // lines of sight
-  vectors: boolean; // arrows along the displacement
+  arrows: string; // name of the field whose vectors are drawn; "": none
   colorMap: ColorMap;
   cells: boolean;
   ground: boolean;
@@ -39,7 +39,7 @@ export const defaultLook = (): Look => ({
   wireframe: false,
   edges: true,
   parallel: false,
-  vectors: false,
+  arrows: "",
   colorMap: "viridis",
   cells: false,
   ground: true,
@@ -134,7 +134,7 @@ export class Viewport {
     this.heldMarks = new HeldMarks(this.extent, this.uniforms);
     this.faceLoads = new FaceLoads(topology.restPositions, this.extent);
     this.extras.add(this.sceneMarks.group, this.heldMarks.group, this.faceLoads.group);
-    this.vectors = new Vectors(topology.restPositions, this.extent);
+    this.vectors = new Vectors(topology.restPositions, this.extent, header.fields);
     this.extras.add(this.vectors.mesh);
     this.buildSurfaces(topology, normals);
     this.colliders = new Colliders(header.colliders ?? [], topology.colliders, this.uniforms, this.flat);
@@ -232,6 +232,11 @@ export class Viewport {
     this.changed = true;
   }
 
+  /** Arrows of a field that are drawn, and what the longest stands for. */
+  get arrows(): { count: number; longest: number } {
+    return { count: this.vectors.count, longest: this.vectors.longest };
+  }
+
   get loadedFaces(): number {
     return this.faceLoads.count;
   }
@@ -259,7 +264,7 @@ export class Viewport {
       else surface.showLines(shown && (look.wireframe || this.flat), false, look.wireframe ? 0.55 : 0.22);
     });
     this.sceneMarks.setVisible(look.marks);
-    this.vectors.mesh.visible = look.vectors;
+    this.vectors.choose(look.arrows);
     this.orbit.setParallel(look.parallel);
     if (look.colorMap !== this.shownMap) {
       this.shownMap = look.colorMap;

@@ -131,6 +131,29 @@ test("the stress along a line between two clicks follows the live scene", async 
   });
 });
 
+test("arrows show a chosen field of vectors, and the card says how large the longest is", async () => {
+  await withPage(browser, program.address, async (watched) => {
+    const select = watched.page.getByTestId("show-arrows").locator("select");
+    assert.deepEqual((await select.locator("option").allInnerTexts()).slice(0, 3), [
+      "none",
+      "displacement",
+      "velocity",
+    ]);
+    await select.selectOption({ label: "velocity" });
+    await watched.value("resilin.send({ type: 'reset' })");
+    await watched.until("resilin.arrows().count > 20 && resilin.arrows().longest > 1e-3");
+    await watched.until(
+      `/longest arrow: velocity .* m.s/.test(document.querySelector("[data-testid=bar-arrows]").textContent)`,
+    );
+    await watched.until("/arrows=velocity/.test(location.hash)");
+    await select.selectOption({ label: "displacement" });
+    await watched.until(`/arrow: displacement/.test(document.querySelector("[data-testid=bar-arrows]").textContent)`);
+    await select.selectOption({ label: "none" });
+    await watched.until("resilin.arrows().count === 0");
+    await watched.page.getByTestId("color-bar").waitFor({ state: "hidden" });
+  });
+});
+
 test("colours differ by field; wireframe and cut change the picture", async () => {
   await withPage(browser, program.address, async (watched) => {
     const { page } = watched;

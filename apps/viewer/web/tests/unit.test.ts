@@ -134,6 +134,20 @@ test("a frame is decoded as docs/view_protocol.md says", () => {
   assert.throws(() => decodeFrame(buffer, new Float32Array(9)), /number of vertices/);
 });
 
+test("arrows of a frame are shares of their greatest component", () => {
+  const bytes = new DataView(new ArrayBuffer(64 + 8 + 8 + 8));
+  bytes.setUint32(0, 0x31465352, true);
+  bytes.setUint32(20, 1, true);
+  bytes.setUint32(24, 8, true);
+  bytes.setUint32(72, 5, true);
+  bytes.setFloat32(76, 4, true);
+  [32767, 0, -16384].forEach((step, i) => bytes.setInt16(80 + 2 * i, step, true));
+  const { arrows, field } = decodeFrame(bytes.buffer, new Float32Array(3));
+  assert.equal(field, -1);
+  assert.equal(arrows!.field, 5);
+  [4, 0, -2].forEach((x, i) => assert.ok(Math.abs(arrows!.vectors[i] - x) < 1e-3));
+});
+
 test("colliders follow the bodies in topology and frames", () => {
   const part = { name: "a", body: "a", kind: "cells" as const, first_vertex: 0, num_vertices: 3 };
   const collider = { name: "wing", num_vertices: 2, num_facets: 1, closed: false, endless: false };
@@ -287,7 +301,7 @@ test("an address holds the whole view, and what is wrong in it is left out", () 
       cut: true,
       cutFlip: false,
       parallel: true,
-      vectors: false,
+      arrows: "velocity",
       cutAxis: "y" as const,
       cutAt: 0.3,
     },
@@ -296,7 +310,7 @@ test("an address holds the whole view, and what is wrong in it is left out", () 
   assert.deepEqual(readAddress(writeAddress(view)), view);
   const wrong = readAddress("#frame=-3&from=x&camera=1,2&cut=q9&range=5,1&show=nothing");
   assert.deepEqual(wrong, {
-    look: { wireframe: false, cells: false, cut: false, cutFlip: false, parallel: false, vectors: false },
+    look: { wireframe: false, cells: false, cut: false, cutFlip: false, parallel: false, arrows: "" },
   });
 });
 
