@@ -128,6 +128,29 @@ TEST(Picture, ComesNearerToBodiesThanToCollidersFarAway) {
   EXPECT_EQ(draw_picture(bar(), small(""), far).pixels, bare.pixels);
 }
 
+TEST(Picture, LinesOfCollidersLeaveTheWordsBesideTheBarFree) {
+  PictureOptions options = small("x");
+  options.width = 1350;
+  options.height = 900;
+  options.label = "a name of a field that is so long that it stands above the end of the body, too";
+  Mesh line;
+  line.vertices = {Vector3(2.4, 0.5, -100), Vector3(2.4, 0.5, 100)};
+  line.block(CellKind::line).nodes = {0, 1};
+  const Image image = draw_picture(bar(), options, line);
+  std::vector<bool> has_line;
+  for (int y = 0; y < image.height; ++y) {
+    bool is_there = false;
+    for (int x = 0; x < image.width; ++x) is_there |= image.at(x, y) == Color{128, 136, 146};
+    has_line.push_back(is_there);
+  }
+  EXPECT_TRUE(has_line.front() && has_line.back());
+  const auto title = std::find(has_line.begin(), has_line.begin() + 153, false);  // the bar begins at 0.17
+  ASSERT_NE(title, has_line.begin() + 153) << "it ends above the title";
+  const auto below = std::find(title, has_line.end(), true);
+  EXPECT_GT(below - title, 20) << "as far as the title is high";
+  EXPECT_LT(below - title, 90) << "and goes on below it";
+}
+
 TEST(Picture, ShowsEdgesOnADarkGround) {
   PictureOptions options = small("x");
   options.is_dark = true;

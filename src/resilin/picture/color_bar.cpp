@@ -19,7 +19,41 @@ double widest_tick(const ScaleText& text, const TextPen& pen) {
   return widest;
 }
 
+/// Place of the bar itself, and where its words end [pixels].
+struct BarPlace {
+  int left, top, right, bottom, tick_length;
+  double end;
+};
+
+BarPlace place_of_bar(int width, int height, const ScaleText& text, const TextPen& pen) {
+  const double em = pen.digit_height();
+  const int margin = static_cast<int>(1.5 * em), tick_length = static_cast<int>(std::ceil(em / 3));
+  const int right =
+      width - margin - static_cast<int>(std::ceil(widest_tick(text, pen) + 0.7 * em)) - tick_length;
+  return {.left = right - static_cast<int>(1.6 * em),
+          .top = static_cast<int>(0.17 * height),
+          .right = right,
+          .bottom = static_cast<int>(0.83 * height),
+          .tick_length = tick_length,
+          .end = static_cast<double>(width - margin)};
+}
+
+/// Baselines of the title and of the extremes, relative to the bar in heights of a digit.
+constexpr double title_above = 2.2, extremes_below = 2.8;
+
 }  // namespace
+
+std::vector<PictureBox> color_bar_boxes(int width, int height, const ScaleText& text, const TextPen& pen) {
+  const double em = pen.digit_height();
+  const BarPlace bar = place_of_bar(width, height, text, pen);
+  const auto around_words = [&](const std::string& words, double baseline) -> PictureBox {
+    return {bar.end - pen.width(words) - 0.7 * em, baseline - 1.8 * em, static_cast<double>(width),
+            baseline + em};
+  };
+  return {around_words(text.title, bar.top - title_above * em),
+          {bar.left - 0.7 * em, bar.top - em, static_cast<double>(width), bar.bottom + em},
+          around_words(text.extremes, bar.bottom + extremes_below * em)};
+}
 
 double color_bar_width(const ScaleText& text, const TextPen& pen) {
   return widest_tick(text, pen) + 6 * pen.digit_height();
@@ -28,11 +62,8 @@ double color_bar_width(const ScaleText& text, const TextPen& pen) {
 void draw_color_bar(Image& image, const ColorScale& scale, const ScaleText& text, const TextPen& pen,
                     Color ink) {
   const double em = pen.digit_height();
-  const int margin = static_cast<int>(1.5 * em), tick_length = static_cast<int>(std::ceil(em / 3));
-  const int right =
-      image.width - margin - static_cast<int>(std::ceil(widest_tick(text, pen) + 0.7 * em)) - tick_length;
-  const int left = right - static_cast<int>(1.6 * em);
-  const int top = static_cast<int>(0.17 * image.height), bottom = static_cast<int>(0.83 * image.height);
+  const auto [left, top, right, bottom, tick_length, end] =
+      place_of_bar(image.width, image.height, text, pen);
   for (int y = top; y < bottom; ++y) {
     const double t = 1 - (y + 0.5 - top) / (bottom - top);
     fill(image, left, y, right, y + 1, map_color(scale.map, t));
@@ -59,9 +90,9 @@ void draw_color_bar(Image& image, const ColorScale& scale, const ScaleText& text
     fill(image, right, row, right + 1 + tick_length, row + 1, ink);
     pen.draw(image, right + 1 + tick_length + 0.5 * em, y + em / 2, tick.text, ink);
   }
-  const double end = image.width - margin;
-  pen.draw(image, std::max(0.0, end - pen.width(text.title)), top - 2.2 * em, text.title, ink);
-  pen.draw(image, std::max(0.0, end - pen.width(text.extremes)), bottom + 2.8 * em, text.extremes, ink);
+  pen.draw(image, std::max(0.0, end - pen.width(text.title)), top - title_above * em, text.title, ink);
+  pen.draw(image, std::max(0.0, end - pen.width(text.extremes)), bottom + extremes_below * em, text.extremes,
+           ink);
 }
 
 }  // namespace resilin

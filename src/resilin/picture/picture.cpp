@@ -247,16 +247,51 @@ class Picture {
       }
   }
 
+  /// The pieces of a line that leave the words and the bar free.
+  std::vector<std::array<Vector3, 2>> beside_words(const Vector3& from, const Vector3& to) const {
+    std::vector<std::array<double, 2>> pieces = {{0, 1}};  // parameters along the line
+    if (!shows_bar()) return {{from, to}};
+    for (const PictureBox& box : color_bar_boxes(options_.width, options_.height, text_, pen_)) {
+      double enters = 0, leaves = 1;
+      const auto clip = [&](double start, double way, double low, double high) {
+        if (way == 0) {
+          if (start < low || start > high) leaves = -1;
+          return;
+        }
+        const auto [first, last] = std::minmax({(low - start) / way, (high - start) / way});
+        enters = std::max(enters, first);
+        leaves = std::min(leaves, last);
+      };
+      clip(from.x(), to.x() - from.x(), box.left, box.right);
+      clip(from.y(), to.y() - from.y(), box.top, box.bottom);
+      if (!(enters <= leaves)) continue;
+      std::vector<std::array<double, 2>> left;
+      for (const auto& [begin, end] : pieces) {
+        if (begin < std::min(end, enters)) left.push_back({begin, std::min(end, enters)});
+        if (std::max(begin, leaves) < end) left.push_back({std::max(begin, leaves), end});
+      }
+      pieces = std::move(left);
+    }
+    std::vector<std::array<Vector3, 2>> shown;
+    for (const auto& [begin, end] : pieces)
+      shown.push_back({from + begin * (to - from), from + end * (to - from)});
+    return shown;
+  }
+
   void draw_colliders() {
     const double unit = options_.height / 900.0;
     const GroundShadow shadow = shadow_of_bodies();
     for (const CellBlock& block : colliders_.blocks) {
       if (block.kind != CellKind::triangle) {
         const bool is_point = block.kind == CellKind::point;
-        for (Index cell = 0; cell < block.num_cells(); ++cell)
-          canvas_.line(projection_(colliders_.vertices[static_cast<std::size_t>(block.cell(cell).front())]),
-                       projection_(colliders_.vertices[static_cast<std::size_t>(block.cell(cell).back())]),
-                       (is_point ? 6 : 3) * unit, 0, {plain_collider, 1});
+        for (Index cell = 0; cell < block.num_cells(); ++cell) {
+          const auto place_of = [&](Index vertex) {
+            return projection_(colliders_.vertices[static_cast<std::size_t>(vertex)]);
+          };
+          for (const auto& [from, to] :
+               beside_words(place_of(block.cell(cell).front()), place_of(block.cell(cell).back())))
+            canvas_.line(from, to, (is_point ? 6 : 3) * unit, 0, {plain_collider, 1});
+        }
         continue;
       }
       const DrawnSurface facets = find_surface({block}, colliders_.vertices);
