@@ -165,6 +165,8 @@ constexpr std::array rows = {
     Row{"holzapfel_gasser_ogden", "hgo holzapfel", "body.material.law"},
     Row{"veronda_westmann", "veronda", "body.material.law"},
     Row{"holmes_mow", "holmesmow", "body.material.law"},
+    Row{"hencky", "logarithmic_strain_law", "body.material.law"},
+    Row{"exponential_fibre", "fiber_exp_pow exponential_fiber", "body.material.law"},
     Row{"saint_venant_kirchhoff", "stvk svk st_venant_kirchhoff saint_venant", "body.material.law"},
     Row{"disc", "disk circle", "mesh = { disc = ... }"},
     Row{"ring", "annulus", "mesh = { ring = ... }"},

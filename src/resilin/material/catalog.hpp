@@ -23,9 +23,11 @@ namespace resilin {
   LAW(Ogden)                  \
   LAW(ArrudaBoyce)            \
   LAW(Gent)                   \
+  LAW(Hencky)                 \
   LAW(VerondaWestmann)        \
   LAW(HolmesMow)              \
-  LAW(HolzapfelGasserOgden)
+  LAW(HolzapfelGasserOgden)   \
+  LAW(ExponentialFibre)
 
 #define RESILIN_DECLARE_LAW(Law) \
   template <class Real>          \

@@ -29,6 +29,9 @@ struct Stretches {
 
   /// sum_i l_i^alpha - 3 with l_i = J^(-1/3) s_i, for J > 0.
   RESILIN_DUAL_INLINE T isochoric_power_sum(const Real& alpha) const;
+
+  /// sum_i (ln s_i)^2, for J > 0.
+  RESILIN_DUAL_INLINE T logarithm_square_sum() const;
 };
 
 namespace detail {
@@ -126,6 +129,34 @@ RESILIN_DUAL_INLINE T Stretches<T>::isochoric_power_sum(const Real& alpha) const
       const Real slope = power_difference(ratio, alpha) * (power[j2] * inverse[j2]);
       const Real product = inverse[i] * inverse[j2];
       p.other[k] = 0.5 * product * (slope * (s[i] + s[j2]) - (a[i] + a[j2]));
+      p.other[3 + k] = (p.slope[i] + p.slope[j2]) / (s[i] + s[j2]);
+    }
+  }
+  return p.template as<T>();
+}
+
+/// Its slopes are 2 y_i / s_i with y_i = ln s_i. Of two of them, with s_i = s_j (1 + r), the divided
+/// difference is 2 (ln(1 + r)/r - y_j) / (s_i s_j).
+template <class T>
+RESILIN_DUAL_INLINE T Stretches<T>::logarithm_square_sum() const {
+  Real y[3], s[3], inverse[3];
+  detail::SymmetricParts<Real> p;
+  p.value = Real(0.0);
+  for (int i = 0; i < 3; ++i) {
+    s[i] = 1.0 + e[i];
+    inverse[i] = 1.0 / s[i];
+    y[i] = log1p(e[i]);
+    p.value = p.value + y[i] * y[i];
+    p.slope[i] = 2.0 * y[i] * inverse[i];
+  }
+  for (int i = 0, k = 0; i < 3; ++i)
+    for (int j2 = i; j2 < 3; ++j2, ++k)
+      p.curvature[k] = i == j2 ? 2.0 * (1.0 - y[i]) * (inverse[i] * inverse[i]) : Real(0.0);
+  if constexpr (T::num_other > 0) {
+    for (int k = 0; k < 3; ++k) {
+      const int i = detail::next(k), j2 = detail::next(i);
+      const Real ratio = (s[i] - s[j2]) * inverse[j2];
+      p.other[k] = 2.0 * (log1p_ratio(ratio) - y[j2]) * (inverse[i] * inverse[j2]);
       p.other[3 + k] = (p.slope[i] + p.slope[j2]) / (s[i] + s[j2]);
     }
   }

@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "resilin/core/simd_math.hpp"
+#include "resilin/core/simd_power.hpp"
 #include "resilin/material/invariants.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/stretches.hpp"
