@@ -81,6 +81,20 @@ int fit_experiments(SceneFitDescription description, const FitOptions& options, 
   return report.is_converged ? done : not_converged;
 }
 
+int fit_prony(RelaxationDescription description, const FitOptions& options, const Stopwatch& watch) {
+  const RelaxationFit found = fit_relaxation(std::move(description));
+  const std::filesystem::path folder = folder_of(options);
+  write_relaxation(found, folder);
+  if (options.json) {
+    print_text(relaxation_json_text(found));
+  } else if (!options.quiet) {
+    print_text(relaxation_text(found));
+    print_line("\n" + one_line((folder / "material.toml").string()) + " and fit.json are written; " +
+               format_seconds(watch.seconds()));
+  }
+  return done;
+}
+
 int fit(const FitOptions& options) {
   if (options.reference) {
     print_text(fit_reference());
@@ -95,6 +109,8 @@ int fit(const FitOptions& options) {
   AnyFit asked = read_any_fit(options.data, overrides);
   if (auto* scenes = std::get_if<SceneFitDescription>(&asked))
     return fit_experiments(std::move(*scenes), options, watch);
+  if (auto* relaxation = std::get_if<RelaxationDescription>(&asked))
+    return fit_prony(std::move(*relaxation), options, watch);
   return fit_tests(std::move(std::get<FitDescription>(asked)), options, watch);
 }
 

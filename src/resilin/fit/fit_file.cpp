@@ -133,6 +133,7 @@ AnyFit read_any_fit_from_values(SceneValue values, const std::string& name,
   values.line = 0;
   const SceneNode root{&values, "", &context};
   refuse_scene(root);
+  if (root.has("relaxation")) return read_relaxation_root(root);
   if (root.has("experiment")) {
     if (root.has("test"))
       throw InputError(root.place(), "[[test]] or [[experiment]]", "both",
@@ -149,12 +150,17 @@ AnyFit read_any_fit_from_values(SceneValue values, const std::string& name,
 
 FitDescription of_tests(AnyFit fit) {
   if (auto* tests = std::get_if<FitDescription>(&fit)) return std::move(*tests);
+  if (auto* relaxation = std::get_if<RelaxationDescription>(&fit))
+    throw InputError(relaxation->place, "[[test]]", "[relaxation]", "take the command line: resilin fit");
   throw InputError(std::get<SceneFitDescription>(fit).place, "[[test]]", "[[experiment]]",
                    "whole scenes are fitted by fit_scenes");
 }
 
 SceneFitDescription of_scenes(AnyFit fit) {
   if (auto* scenes = std::get_if<SceneFitDescription>(&fit)) return std::move(*scenes);
+  if (auto* relaxation = std::get_if<RelaxationDescription>(&fit))
+    throw InputError(relaxation->place, "[[experiment]]", "[relaxation]",
+                     "take the command line: resilin fit");
   throw InputError(std::get<FitDescription>(fit).place, "[[experiment]]", "[[test]]",
                    "homogeneous tests are fitted by fit_materials, in Python resilin.fit");
 }
@@ -190,7 +196,7 @@ SceneFitDescription read_scene_fit(const std::filesystem::path& path,
 std::string fit_reference() {
   std::string page = R"(# The file of a fit
 
-A fit is a TOML file of tests, or of experiments that are whole scenes, read by `resilin fit` ([fit.md](fit.md)); `title` stands above its
+A fit is a TOML file of tests, of experiments that are whole scenes, or of a relaxation, read by `resilin fit` ([fit.md](fit.md)); `title` stands above its
 results. Paths in it are beside the file; constants are in SI. A key that is not listed here is an error that names the nearest known one. Any value can
 be set from the command line: `--set fit.residual=relative`.
 This page is printed by `resilin fit --reference` from the table that reads the file.
@@ -200,6 +206,7 @@ This page is printed by `resilin fit --reference` from the table that reads the 
         document("fit.parameters", "Settings of a constant, in the units of its law.",
                  constant_setting_keys())})
     page += reference_text(table);
+  page += reference_text(relaxation_doc());
   for (const TableDoc& table : scene_fit_docs()) page += reference_text(table);
   return page;
 }

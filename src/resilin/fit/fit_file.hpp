@@ -6,17 +6,19 @@
 #include <vector>
 
 #include "resilin/fit/description.hpp"
+#include "resilin/fit/relaxation_fit.hpp"
 #include "resilin/fit/scene_experiment.hpp"
 #include "resilin/scene/key.hpp"
 #include "resilin/scene/value.hpp"
 
 namespace resilin {
 
-/// Contents of a fit file: laws from homogeneous tests, or parameters of scenes from experiments.
-using AnyFit = std::variant<FitDescription, SceneFitDescription>;
+/// Contents of a fit file: laws from homogeneous tests, parameters of scenes from experiments, or the Prony
+/// series of a relaxation.
+using AnyFit = std::variant<FitDescription, SceneFitDescription, RelaxationDescription>;
 
-/// Reads what is to be fitted: [[test]] or [[experiment]], and [fit] of a TOML file, the columns of its CSV
-/// files, in SI units. `overrides` as in `read_scene`. Throws InputError.
+/// Reads what is to be fitted: [[test]] or [[experiment]], and [fit] of a TOML file, or [relaxation], the
+/// columns of its CSV files, in SI units. `overrides` as in `read_scene`. Throws InputError.
 AnyFit read_any_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
 /// A fit of homogeneous tests alone, or of experiments alone: the other is refused.
@@ -38,6 +40,10 @@ std::string fit_reference();
 // test_table.cpp
 MaterialTest read_material_test(const SceneNode& node);
 TableDoc material_test_doc();
+
+// relaxation_table.cpp
+RelaxationDescription read_relaxation_root(const SceneNode& root);
+TableDoc relaxation_doc();
 
 // experiment_table.cpp
 SceneFitDescription read_scene_fit_root(const SceneNode& root);
