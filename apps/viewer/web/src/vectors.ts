@@ -8,8 +8,9 @@ const MOST = 400; // arrows
 const LONGEST = 0.14; // length relative to the extent
 const COLOR = 0x20262e;
 const COLOR_IN_THE_DARK = 0xe8ecf2;
+const SHORTEST = 0.12; // relative to the longest, so that it is seen
 const ROUNDING = 1e-6; // round-off, relative to the scale of the field
-const FALL = 0.03; // share of the way down to the present largest length, for each frame
+const FALL = 0.15; // share of the way down to the present largest length, for each frame
 
 /** The fields of which arrows can be drawn: those with components. Displacements are known from the places. */
 export function vectorFields(fields: Field[]): Field[] {
@@ -45,6 +46,8 @@ export class Vectors {
     if (name !== this.name) this.eased = this.longest = this.mesh.count = 0;
     this.name = name;
     this.mesh.visible = name !== "";
+    // Bodies that touch hide what they exchange.
+    this.mesh.material.depthTest = !this.pushes;
   }
 
   /** The longest arrow is always as long; where next to nothing happens there is none. */
@@ -53,29 +56,35 @@ export class Vectors {
     const given = this.given(positions, arrows ?? null);
     if (!given) return;
     const { vectors, greatest } = given;
-    const count = parts.reduce((sum, part) => sum + part.num_vertices, 0);
-    const stride = Math.max(1, Math.ceil(count / MOST));
     const u = new THREE.Vector3();
     const found: { at: number; length: number }[] = [];
     for (const { first_vertex: first, num_vertices } of parts)
-      for (let at = first; at < first + num_vertices; at += stride)
-        found.push({ at, length: u.fromArray(vectors, 3 * at).length() });
-    const largest = Math.max(...found.map(({ length }) => (Number.isFinite(length) ? length : 0)), 0);
+      for (let at = first; at < first + num_vertices; ++at) {
+        const length = u.fromArray(vectors, 3 * at).length();
+        if (length > 0 && Number.isFinite(length)) found.push({ at, length });
+      }
+    const largest = found.reduce((most, { length }) => Math.max(most, length), 0);
     this.eased = Math.max(largest, this.eased + FALL * (largest - this.eased));
     this.longest = greatest ?? this.eased;
     const least = ROUNDING * (this.fields.find(({ name }) => name === this.name)?.scale ?? 0);
+    const strong = found.filter(({ length }) => length > Math.max(0.01 * this.longest, least));
+    const stride = Math.max(1, Math.ceil(strong.length / MOST));
+    const shown = strong.filter((_, i) => i % stride === 0);
     const [matrix, turn, size] = [new THREE.Matrix4(), new THREE.Quaternion(), new THREE.Vector3()];
-    const shown = found.filter(({ length }) => length > Math.max(0.01 * this.longest, least)).slice(0, MOST);
-    const pushes = this.name.startsWith("contact"); // into the body: the tip is at the vertex
     shown.forEach(({ at, length }, i) => {
       turn.setFromUnitVectors(new THREE.Vector3(0, 1, 0), u.fromArray(vectors, 3 * at).normalize());
       const place = new THREE.Vector3().fromArray(positions, 3 * at);
-      const drawn = LONGEST * this.extent * Math.min(length / this.longest, 1);
-      if (pushes) place.addScaledVector(u, -drawn);
+      const drawn = LONGEST * this.extent * Math.min(Math.max(length / this.longest, SHORTEST), 1);
+      if (this.pushes) place.addScaledVector(u, -drawn);
       this.mesh.setMatrixAt(i, matrix.compose(place, turn, size.setScalar(drawn)));
     });
     this.mesh.count = shown.length;
     this.mesh.instanceMatrix.needsUpdate = true;
+  }
+
+  /** Whether the vectors push into the body: the tip is then at the vertex. */
+  private get pushes(): boolean {
+    return this.name.startsWith("contact");
   }
 
   /** How many arrows are drawn, for tests. */
