@@ -11,6 +11,7 @@
 
 #include "command.hpp"
 #include "plot_picture.hpp"
+#include "resilin/core/csv_cell.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/plot_frame.hpp"
@@ -135,23 +136,16 @@ struct Curve {
   const std::vector<double>* values;
 };
 
-std::string cell(std::string_view text) {
-  if (text.find_first_of(",\"") == text.npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
 /// @param steps  names in a last column; empty: none
 std::string csv(const Curve& x, const std::vector<Curve>& ys, const std::vector<std::string>& steps) {
-  std::string text = cell(label_of(x.name));
-  for (const Curve& y : ys) text += "," + cell(label_of(y.name));
+  std::string text = csv_cell(label_of(x.name));
+  for (const Curve& y : ys) text += "," + csv_cell(label_of(y.name));
   text += steps.empty() ? "\n" : ",step_name\n";
   const auto number = [](double value) { return std::isfinite(value) ? format_number(value) : ""; };
   for (std::size_t i = 0; i < x.values->size(); ++i) {
     text += number((*x.values)[i]);
     for (const Curve& y : ys) text += "," + number((*y.values)[i]);
-    text += steps.empty() ? "\n" : "," + cell(steps[i]) + "\n";
+    text += steps.empty() ? "\n" : "," + csv_cell(steps[i]) + "\n";
   }
   return text;
 }

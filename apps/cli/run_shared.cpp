@@ -54,7 +54,7 @@ void print_start(const Speaker& speaker, const RunOptions& options, const Shared
 
 /// Logs the traffic per MPI rank and Newton iteration, and the memory of the largest rank.
 void log_traffic(const SharedScene& scene, int iterations) {
-  const Share& share = scene.world->share;
+  const ProcessGroup& share = scene.world->share;
   const Traffic traffic = scene.exchange->traffic();
   const double ranks = num_processes();
   const double messages = share.sum(static_cast<double>(traffic.messages)) / ranks;
@@ -81,7 +81,7 @@ std::vector<std::string> resume(const RunOptions& options, SharedResults& result
 
 RunOutcome simulate(const SharedScene& scene, Simulation& simulation, SharedResults& results,
                     Progress& progress, const RunOptions& options) {
-  const Share& share = scene.world->share;
+  const ProcessGroup& share = scene.world->share;
   int iterations = 0;
   results.record(simulation, false);
   const RunHooks hooks{

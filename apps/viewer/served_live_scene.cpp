@@ -395,10 +395,9 @@ std::string ServedLiveScene::frame(std::uint32_t number, std::uint32_t answered_
   const auto blended = [&](double before, double after) {
     return before + std::min(blend, 1.0) * (after - before);
   };
-  const std::vector<float> places = collider_places(
-      loaded.colliders,
-      {.time = blended(loaded.previous_conditions.time, now.time),
-       .collider_delay = blended(loaded.previous_conditions.collider_delay, now.collider_delay)});
+  const std::vector<float> places =
+      collider_places(loaded.colliders, {.time = blended(loaded.previous_conditions.time, now.time),
+                                         .delay = blended(loaded.previous_conditions.delay, now.delay)});
   LiveFrame frame{.number = number,
                   .time = blended(loaded.previous_time, state.time),
                   .answers = answered_drag,

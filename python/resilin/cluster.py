@@ -66,30 +66,6 @@ def run_scenes(definition: bytes, tasks: list[Task], folder: str, threads: int) 
     return rows
 
 
-def run_on_cluster(
-    client: Any,
-    definition: Definition,
-    sweep: _core.Sweep,
-    folder: _core.SweepFolder,
-    queue: _core.SceneQueue,
-    path: str,
-    shard: str,
-    retries_failed: bool,
-    threads: int,
-    in_flight: int,
-    line: SweepProgress,
-) -> None:
-    """Hands out the scenes of the queue, a bounded number of them at once, and keeps their rows as they come."""
-    threads_before = _core.num_threads()  # the workers may be threads of this process
-    run = ClusterRun(client, definition, sweep, folder, queue, path, shard, retries_failed, threads, in_flight, line)
-    try:
-        run.run()
-    finally:
-        run.cancel()
-        _core.set_num_threads(threads_before)
-        folder.write_table()
-
-
 class ClusterRun:
     """A sweep on a cluster while it goes on."""
 
@@ -131,15 +107,22 @@ class ClusterRun:
         self._seconds = 0.0
 
     def run(self) -> None:
-        self._hand_out()
-        for future in self._completed:
-            _, tasks = self._handed_out.pop(future.key)
-            self._take(future, tasks)
-            future.release()
-            self._show()
+        """Hands out the scenes of the queue, a bounded number of them at once, and keeps their rows as they come."""
+        threads_before = _core.num_threads()  # the workers may be threads of this process
+        try:
             self._hand_out()
+            for future in self._completed:
+                _, tasks = self._handed_out.pop(future.key)
+                self._take(future, tasks)
+                future.release()
+                self._show()
+                self._hand_out()
+        finally:
+            self._cancel()
+            _core.set_num_threads(threads_before)
+            self._folder.write_table()
 
-    def cancel(self) -> None:
+    def _cancel(self) -> None:
         """Takes back what has not ended."""
         futures = [future for future, _ in self._handed_out.values()]
         if futures:

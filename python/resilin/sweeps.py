@@ -108,10 +108,10 @@ def sweep(
         if client is None:
             folder.run(shard, retry_failed, int(jobs), int(threads), line.show if line.is_shown else None)
         else:
-            from resilin.cluster import run_on_cluster
+            from resilin.cluster import ClusterRun
 
             queue = _core.SceneQueue(folder, shard, retry_failed)
-            run_on_cluster(
+            ClusterRun(
                 client,
                 definition,
                 made,
@@ -123,7 +123,7 @@ def sweep(
                 int(threads) or 1,
                 int(in_flight),
                 line,
-            )
+            ).run()
     finally:
         line.end()
     return SweepTable(pathlib.Path(path), owner)

@@ -153,10 +153,10 @@ TEST_P(BallCases, KeepTheirDistanceInEveryStep) {
 
 TEST_P(BallCases, StayBehindWhereFacetsAreInTheWay) {
   const ColliderBarrier ball = barrier({.velocity = (dim == 2 ? Vector3(0, -1, 0) : Vector3(0, 0, -1))});
-  const Conditions wanted{.time = 0.05, .collider_delay = 0.05};
+  const Conditions wanted{.time = 0.05, .delay = 0.05};
   const double delay = ball.least_delay(x, wanted);
   EXPECT_GT(delay, 0.04);
-  EXPECT_GT(ball.gap(x, {.time = 0.05, .collider_delay = delay}), 0);
+  EXPECT_GT(ball.gap(x, {.time = 0.05, .delay = delay}), 0);
 }
 
 TEST_P(BallCases, HaveTheDerivativesOfTheirParameters) {

@@ -220,7 +220,7 @@ TEST(ColliderBarrier, MovesWithTimeUntilItStops) {
   EXPECT_EQ(barrier.nearest(x, {.time = 0}).distance, 2);
   EXPECT_EQ(barrier.nearest(x, {.time = 1}).distance, 1.5);
   EXPECT_EQ(barrier.nearest(x, {.time = 7}).distance, 1);
-  EXPECT_EQ(barrier.nearest(x, {.time = 1, .collider_delay = 0.5}).distance, 1.75);
+  EXPECT_EQ(barrier.nearest(x, {.time = 1, .delay = 0.5}).distance, 1.75);
   EXPECT_EQ(barrier.place({.time = 7}), Vector3(0, 0, 2));
 }
 

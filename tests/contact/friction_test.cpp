@@ -54,7 +54,7 @@ struct Sample {
     const Vector3 velocity(0.3, -0.2, dim == 3 ? 0.1 : 0);
     x.head(dim) += duration * velocity.head(dim);
     term = friction.begin_stage({.base_positions = start, .duration = duration});
-    term->form_lag(x, conditions);
+    term->lagged_term()->form_lag(x, conditions);
   }
   VectorX random(double amount, unsigned seed) const {
     std::mt19937 generator(seed);
@@ -154,11 +154,11 @@ TEST(TheEnergyOfFriction, FollowsTheVelocityAtTheEndOfAStageWhoseUnknownIsAMean)
               .duration = duration,
               .is_mean = true};
   const auto term = friction.begin_stage(stage);
-  term->form_lag(sample.x, {});
+  term->lagged_term()->form_lag(sample.x, {});
   // The end 2 x_m - x_0 without a velocity there: v = 2 v_m - v_n and v_m = v_n + c a, so x_0 + c v_0.
   const VectorX still = sample.start + duration * stage.base_velocities;
   const auto backward_euler = friction.begin_stage({.base_positions = still, .duration = duration});
-  backward_euler->form_lag(sample.x, {});
+  backward_euler->lagged_term()->form_lag(sample.x, {});
   EXPECT_EQ(term->value(sample.x, {}), backward_euler->value(sample.x, {}));
 }
 
@@ -169,7 +169,7 @@ TEST(TheEnergyOfFriction, IsThereInStaticsOnlyWhereALoadIncrementStandsForATime)
   const auto term = friction.begin_stage(static_stage(x, duration));
   ASSERT_NE(term, nullptr);
   EXPECT_EQ(term->value(x + VectorX::Ones(10), {}), 0) << "before its normal forces are known";
-  EXPECT_TRUE(term->form_lag(x, {}));
+  EXPECT_TRUE(term->lagged_term()->form_lag(x, {}));
   EXPECT_GT(term->value(x + VectorX::Ones(10), {}), 0);
 }
 
@@ -193,7 +193,7 @@ TEST(TheHessianOfFriction, FollowsTheSearch) {
       for (unsigned k = 0; k < 20; ++k) {
         const VectorX p = sample.random(std::pow(10.0, int(k % 7) - 4) * eps, 10 + k);
         const double t = k % 3 == 0 ? 0.3 : 1;
-        sample.term->follow(x, p, t);
+        sample.term->lagged_term()->follow(x, p, t);
         x += t * p;
         const BlockMatrix followed = sample.hessian(x);
         VectorX product;
@@ -206,7 +206,7 @@ TEST(TheHessianOfFriction, FollowsTheSearch) {
       VectorX expected, product;
       const VectorX q = sample.random(1, 200);
       multiply(at_x, q, expected);
-      sample.term->follow(sample.x, VectorX::Zero(x.size()), 1);
+      sample.term->lagged_term()->follow(sample.x, VectorX::Zero(x.size()), 1);
       multiply(sample.hessian(sample.x), q, product);
       EXPECT_LE((product - expected).norm(), 1e-14 * 3 / eps * q.norm()) << dim << "D, slip " << slip;
     }
@@ -238,12 +238,12 @@ TEST(RelaxedForces, SettleWhereRoundsThrowThemToAndFro) {
       VectorX heights = VectorX::Zero(6);
       heights[2] = limit[0];
       heights[5] = limit[1];
-      term->form_lag(heights, {});
+      term->lagged_term()->form_lag(heights, {});
     };
     form({1, 2});
     for (int round = 0; round < rounds; ++round) {
       form(formed(limits(*term)));
-      term->relax_lag();
+      term->lagged_term()->relax_lag();
     }
     return limits(*term);
   };
@@ -274,7 +274,7 @@ TEST(RelaxedForces, AreAShareOfTheLastAndTheRestOfThoseBefore) {
       VectorX heights = VectorX::Zero(6);
       heights[2] = limits[0];
       heights[5] = limits[1];
-      term->form_lag(heights, {});
+      term->lagged_term()->form_lag(heights, {});
       return gradient(*term);
     };
     const auto change = [](const Limits& from, const Limits& to) {
@@ -284,10 +284,10 @@ TEST(RelaxedForces, AreAShareOfTheLastAndTheRestOfThoseBefore) {
     Relaxation relaxation;
     form(start);
     const VectorX first = form(before);
-    EXPECT_FALSE(term->relax_lag());
+    EXPECT_FALSE(term->lagged_term()->relax_lag());
     relaxation.next_share(change(start, before));
     const VectorX last = form(after);
-    EXPECT_TRUE(term->relax_lag());
+    EXPECT_TRUE(term->lagged_term()->relax_lag());
     const double share = relaxation.next_share(change(before, after));
     VectorX expected = share * last + (1 - share) * first;
     if (share > 1 && after[1] < 0) expected.tail(3).setZero();  // friction never pushes
@@ -309,16 +309,16 @@ TEST(CoupledForces, AreThoseWithNormalForcesOfTheVeryPlace) {
     return sum;
   };
   const auto term = friction.begin_stage({.base_positions = VectorX::Zero(6), .duration = duration});
-  term->form_lag(after, {});
+  term->lagged_term()->form_lag(after, {});
   const VectorX of_the_place = gradient(*term, after);
-  term->form_lag(before, {});
+  term->lagged_term()->form_lag(before, {});
   const VectorX lagged = gradient(*term, after);
   EXPECT_GT((of_the_place - lagged).norm(), 0.1 * lagged.norm());
-  term->couple_lag(true);
+  term->lagged_term()->couple_lag(true);
   EXPECT_EQ(gradient(*term, after), of_the_place);
-  term->form_lag(after, {});
+  term->lagged_term()->form_lag(after, {});
   EXPECT_EQ(gradient(*term, after), of_the_place);
-  term->couple_lag(false);
+  term->lagged_term()->couple_lag(false);
   EXPECT_EQ(gradient(*term, after), lagged);
 }
 

@@ -136,7 +136,7 @@ struct ObstacleCases : ::testing::TestWithParam<int> {
   ObstacleCase which = obstacle_cases()[static_cast<std::size_t>(GetParam())];
   Block block{which.dim, 4, 0.5 * felt_from};
   std::mt19937 generator{static_cast<unsigned>(GetParam())};
-  Conditions conditions{.time = 0.31, .collider_delay = 0.02, .contact_weight = 0.7};
+  Conditions conditions{.time = 0.31, .delay = 0.02, .weight = 0.7};
   VectorX x = block.positions + 1e-3 * random(block.positions.size());
   ObstacleContact contact = block.contact(which.obstacle);
 
@@ -207,11 +207,11 @@ TEST_P(ObstacleCases, StagesSeeTheSame) {
 TEST_P(ObstacleCases, StayBehindWhereBodiesAreInTheWay) {
   const auto is_apart = [&](const Conditions& c) { return contact.smallest_gap(x, c).distance > 0; };
   for (const double wanted : {0.02, 0.5, 3.0}) {
-    const Conditions c{.time = conditions.time + wanted, .collider_delay = wanted};
+    const Conditions c{.time = conditions.time + wanted, .delay = wanted};
     const double delay = contact.least_delay(x, c);
     EXPECT_GE(delay, 0);
     EXPECT_LT(delay, wanted);
-    EXPECT_TRUE(is_apart({.time = c.time, .collider_delay = delay})) << which.name;
+    EXPECT_TRUE(is_apart({.time = c.time, .delay = delay})) << which.name;
   }
 }
 
@@ -219,10 +219,10 @@ TEST(AnObstacle, GoesItsWholeWayWhereNobodyIs) {
   const Block block(3, 2, 1);
   ColliderMotion motion{.velocity = {0, 0, 0.5}, .until = 1};
   const ObstacleContact rising = block.contact({box_mesh({0, 0, -0.2}, {1, 1, 0.4}, 3), motion});
-  EXPECT_EQ(rising.least_delay(block.positions, {.time = 3, .collider_delay = 3}), 0);
+  EXPECT_EQ(rising.least_delay(block.positions, {.time = 3, .delay = 3}), 0);
   motion.until = 3;
   const ObstacleContact through = block.contact({box_mesh({0, 0, -0.2}, {1, 1, 0.4}, 3), motion});
-  const double delay = through.least_delay(block.positions, {.time = 3, .collider_delay = 3});
+  const double delay = through.least_delay(block.positions, {.time = 3, .delay = 3});
   EXPECT_GT(delay, 1);
   EXPECT_LT(delay, 1 + 2 * felt_from);  // at the block after two seconds
 }

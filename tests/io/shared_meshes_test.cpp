@@ -8,7 +8,7 @@
 #include "resilin/io/mesh_file.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/quality.hpp"
-#include "shared_data.hpp"
+#include "shared_mesh.hpp"
 #include "test_names.hpp"
 
 // Meshes of other projects and those of the validation cases.
@@ -36,9 +36,8 @@ const std::vector<Expected> shared_meshes = {
 };
 
 TEST_P(SharedMesh, LoadsAndIsFitForSimulation) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const MeshFile file =
-      read_solid_mesh(*testing::shared_folder() / "meshes" / GetParam().file, GetParam().dimension);
+  RESILIN_NEEDS_SHARED_MESH(GetParam().file);
+  const MeshFile file = read_solid_mesh(*testing::shared_mesh(GetParam().file), GetParam().dimension);
   const CellKind kind = GetParam().dimension == 3 ? CellKind::tetrahedron : CellKind::triangle;
   EXPECT_EQ(file.mesh.vertices.size(), GetParam().vertices);
   ASSERT_NE(file.mesh.find_block(kind), nullptr);
@@ -49,13 +48,15 @@ TEST_P(SharedMesh, LoadsAndIsFitForSimulation) {
 INSTANTIATE_TEST_SUITE_P(OfOtherProjects, SharedMesh, ::testing::ValuesIn(shared_meshes),
                          [](const auto& test) { return testing::as_test_name(test.param.file); });
 
-TEST(SharedSurface, OfTheArmadilloAndTheCowLoad) {
-  RESILIN_NEEDS_SHARED_DATA();
-  const auto folder = *testing::shared_folder() / "meshes";
-  const MeshFile armadillo = read_mesh(folder / "armadillo_skin.obj");
+TEST(SharedSurface, OfTheArmadilloLoads) {
+  RESILIN_NEEDS_SHARED_MESH("armadillo_skin.obj");
+  const MeshFile armadillo = read_mesh(*testing::shared_mesh("armadillo_skin.obj"));
   EXPECT_EQ(armadillo.mesh.vertices.size(), 26002u);
   EXPECT_EQ(armadillo.mesh.blocks[0].num_cells(), 52000);
-  const MeshFile cow = read_mesh(folder / "spot_surface.obj");
+}
+
+TEST(SharedSurface, OfTheCowLoads) {
+  const MeshFile cow = read_mesh(testing::source_folder() / "data" / "spot_surface.obj");
   EXPECT_EQ(cow.mesh.vertices.size(), 2930u);
   EXPECT_EQ(cow.mesh.blocks[0].num_cells(), 5856);
 }

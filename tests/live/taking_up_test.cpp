@@ -78,9 +78,9 @@ TEST(TakenUpScene, HasCollidersWhereBodiesHaveHeldThemUp) {
   const State before = run.state();
   ASSERT_GT(before.collider_delay, 0);
   LiveScene live(scene, before);
-  EXPECT_EQ(live.conditions().collider_delay, before.collider_delay);
+  EXPECT_EQ(live.conditions().delay, before.collider_delay);
   // No way back, and none through the bar in between.
-  const auto clock = [](const Conditions& c) { return c.time - c.collider_delay; };
+  const auto clock = [](const Conditions& c) { return c.time - c.delay; };
   for (int step = 0; step < 3; ++step) {
     const double at = clock(live.conditions());
     live.step(unhurried);
@@ -99,7 +99,7 @@ TEST(TakenUpScene, GoesOnAsTheRunDoes) {
     LiveScene live(scene, before);
     EXPECT_EQ(live.state().positions, before.positions);
     EXPECT_EQ(live.conditions().time, before.time);
-    EXPECT_EQ(live.conditions().collider_delay, before.collider_delay);
+    EXPECT_EQ(live.conditions().delay, before.collider_delay);
     LiveControls exact = live.controls();
     exact.tolerance = 1e-8;
     live.set_controls(exact);

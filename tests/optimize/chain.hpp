@@ -70,10 +70,11 @@ class Chain final : public Objective {
     }
   }
   double max_step(const VectorX&, const VectorX&) const override { return 1; }
-  VectorX force_scales(const VectorX&, const VectorX& g, const Parts& parts) const override {
+  VectorX force_scales(const VectorX&, const VectorX& g, const ConnectedComponents& parts) const override {
     return VectorX::Constant(parts.count(), std::max(force_.norm(), g.head<2>().norm()));
   }
-  VectorX distinct_acting_scales(const VectorX&, const VectorX&, const Parts& parts) const override {
+  VectorX distinct_acting_scales(const VectorX&, const VectorX&,
+                                 const ConnectedComponents& parts) const override {
     return VectorX::Constant(parts.count(), force_.norm());
   }
 

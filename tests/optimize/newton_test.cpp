@@ -194,10 +194,11 @@ class PushedAcross final : public Objective {
     chain.hessian(x, projection, H);
   }
   double max_step(const VectorX&, const VectorX&) const override { return 1; }
-  VectorX force_scales(const VectorX& x, const VectorX& g, const Parts& parts) const override {
+  VectorX force_scales(const VectorX& x, const VectorX& g, const ConnectedComponents& parts) const override {
     return chain.force_scales(x, g, parts);
   }
-  VectorX distinct_acting_scales(const VectorX& x, const VectorX& r, const Parts& parts) const override {
+  VectorX distinct_acting_scales(const VectorX& x, const VectorX& r,
+                                 const ConnectedComponents& parts) const override {
     return chain.distinct_acting_scales(x, r, parts);
   }
 

@@ -15,6 +15,7 @@
 #include "resilin/world/skin.hpp"
 #include "round_skin.hpp"
 #include "scene_text.hpp"
+#include "shared_mesh.hpp"
 #include "temporary_folder.hpp"
 #include "test_names.hpp"
 
@@ -242,8 +243,8 @@ struct SharedSurfaceMesh : ::testing::TestWithParam<std::string> {
 };
 
 TEST_P(SharedSurfaceMesh, GoesFromAnStlToAConvergedResult) {
-  RESILIN_NEEDS_SHARED_DATA();
-  Mesh surface = read_mesh(*shared_folder() / "meshes" / GetParam()).mesh;
+  RESILIN_NEEDS_SHARED_MESH(GetParam());
+  Mesh surface = read_mesh(*shared_mesh(GetParam())).mesh;
   if (surface.find_solid(3) != nullptr) surface = extract_surface(surface).mesh;
   write_binary_stl(folder / "a.stl", surface);
   for (const char* mesher : {"fitted", "lattice"}) {

@@ -48,7 +48,7 @@ Description block_under_a_ball(int dimension, const std::string& element, bool i
 
 double smallest_gap(const Simulation& simulation) {
   const State& state = simulation.state();
-  const Conditions now{.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+  const Conditions now{.time = state.time, .load = state.load, .delay = state.collider_delay};
   return simulation.world().colliders[0]->gap(state.positions, now);
 }
 

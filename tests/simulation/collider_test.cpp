@@ -48,8 +48,7 @@ double smallest_distance(const Simulation& simulation) {
   for (const auto& collider : simulation.world().colliders) {
     distance = std::min(
         distance,
-        collider->nearest(state.positions, {.time = state.time, .collider_delay = state.collider_delay})
-            .distance);
+        collider->nearest(state.positions, {.time = state.time, .delay = state.collider_delay}).distance);
   }
   return distance;
 }

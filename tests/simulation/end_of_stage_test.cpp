@@ -66,45 +66,35 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EndOfStageOfEveryIntegrator, ::testing::Valu
                          name_of_integrator);
 
 /// A term with every capability, whose answers tell what it was asked with.
-class Witness final : public Energy {
+class Witness final : public Energy, public LaggedTerm {
  public:
   std::string_view name() const override { return "witness"; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::contact}; }
-  double value(const VectorX& x, const Conditions& c) const override {
-    return c.contact_weight * x.sum() + c.time;
-  }
+  double value(const VectorX& x, const Conditions& c) const override { return c.weight * x.sum() + c.time; }
   double difference(const VectorX& from, const VectorX& to, const Conditions& c) const override {
-    return c.contact_weight * (2 * to.sum() - from.sum()) + c.time;
+    return c.weight * (2 * to.sum() - from.sum()) + c.time;
   }
   double magnitude(const VectorX& x, const Conditions& c) const override { return 3 * value(x, c); }
   void add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const override {
-    gradient += c.contact_weight * x + VectorX::Constant(x.size(), c.time);
+    gradient += c.weight * x + VectorX::Constant(x.size(), c.time);
   }
   void add_gradient_magnitude(const VectorX& x, const Conditions& c, VectorX& magnitude) const override {
-    magnitude += 2 * c.contact_weight * x;
+    magnitude += 2 * c.weight * x;
   }
   void add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const override {
-    hessian.values[0] += c.contact_weight * x.sum();
+    hessian.values[0] += c.weight * x.sum();
   }
   void add_pattern(BlockPatternBuilder&) const override {}
   void bind(const BlockPattern& pattern) override { num_slots = pattern.num_slots(); }
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
     return x.sum() + 2 * p.sum() + c.time;
   }
-  VectorX internal_values(const VectorX& x) const override { return 2 * x; }
-  Eigen::Index num_internal_values() const override { return 3; }
-  VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override {
-    return x + 3 * t * p;
-  }
-  void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection,
-                      BlockMatrix& hessian, std::span<const CellMatrices* const>) const override {
-    hessian.values[0] += c.contact_weight * (x.sum() + 5 * internal.sum());
-  }
+  const CellTerm* cell_term() const override { return nullptr; }
   const CellMatrices* cell_matrices() const override { return nullptr; }
-  bool takes(const CellMatrices&) const override { return false; }
+  LaggedTerm* lagged_term() override { return this; }
   bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
                                VectorX& forces) const override {
-    forces += c.contact_weight * (x + 7 * p);
+    forces += c.weight * (x + 7 * p);
     return true;
   }
   std::unique_ptr<Energy> begin_stage(const Stage&) const override {
@@ -125,12 +115,11 @@ class Witness final : public Energy {
   void follow(const VectorX& x, const VectorX& p, double t) override { told = x.sum() + t * p.sum(); }
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override {
-    return before.contact_weight * from.sum() + 2 * after.contact_weight * to.sum() + before.time +
-           3 * after.time;
+    return before.weight * from.sum() + 2 * after.weight * to.sum() + before.time + 3 * after.time;
   }
   double least_delay(const VectorX& x, const Conditions& c) const override { return x.sum() + c.time; }
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override {
-    return Reaction{.force = c.contact_weight * x, .torque = c.time * x};
+    return Reaction{.force = c.weight * x, .torque = c.time * x};
   }
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override {
     held.push_back({.nodes = {}, .direction = x});
@@ -141,11 +130,11 @@ class Witness final : public Energy {
   std::vector<EnergyParameter> parameters() const override { return {{"weight"}, {"lag", 3}}; }
   void add_parameter_slopes(std::string_view, const VectorX& x, const VectorX& w, const Conditions& c,
                             VectorX& slopes) const override {
-    slopes.array() += c.contact_weight * (x.sum() + w.sum());
+    slopes.array() += c.weight * (x.sum() + w.sum());
   }
   void add_parameter_forces(std::string_view, const VectorX& x, const VectorX& change, const Conditions& c,
                             VectorX& gradient) const override {
-    gradient.array() += c.contact_weight * (x.sum() + change.sum());
+    gradient.array() += c.weight * (x.sum() + change.sum());
   }
 
   double told = 0;
@@ -160,9 +149,7 @@ TEST(EndOfStage, AnswersEveryFunctionOfATermAtTheEnd) {
   constexpr double weight = 0.5, duration = 0.125, time = 0.75;
   const Stage stage{.base_positions = start, .duration = duration, .is_mean = true, .contact_weight = weight};
   const Conditions c{.time = time};
-  const auto at_end = [](double times) {
-    return Conditions{.time = time + duration, .contact_weight = times};
-  };
+  const auto at_end = [](double times) { return Conditions{.time = time + duration, .weight = times}; };
   const Conditions once = at_end(weight), twice = at_end(2 * weight), four_times = at_end(4 * weight);
 
   const Witness term;
@@ -193,16 +180,10 @@ TEST(EndOfStage, AnswersEveryFunctionOfATermAtTheEnd) {
        sum_of(3, [&](VectorX& sum) { term.add_gradient_magnitude(end, twice, sum); }));
   EXPECT_EQ(entry_of([&](BlockMatrix& H) { ended.add_hessian(x, c, Projection::none, H); }),
             entry_of([&](BlockMatrix& H) { term.add_hessian(end, four_times, Projection::none, H); }));
-  EXPECT_EQ(entry_of([&](BlockMatrix& H) { ended.add_hessian_at(elsewhere, x, c, Projection::none, H); }),
-            entry_of([&](BlockMatrix& H) {
-              term.add_hessian_at(elsewhere, end, four_times, Projection::none, H, {});
-            }));
   ended.bind(BlockPatternBuilder(1).build());
   EXPECT_EQ(told.num_slots, 1);
   EXPECT_EQ(ended.max_step(x, p, c), term.max_step(end, way, once));
-  same(ended.internal_values(x), term.internal_values(end));
-  EXPECT_EQ(ended.num_internal_values(), 3);
-  same(ended.predicted_internal_values(x, p, 0.5), term.predicted_internal_values(end, way, 0.5));
+  EXPECT_EQ(ended.cell_term(), nullptr);
   EXPECT_EQ(ended.cell_matrices(), nullptr);
   VectorX forces = VectorX::Zero(3);
   EXPECT_TRUE(ended.add_second_order_forces(x, p, c, forces));
@@ -212,6 +193,7 @@ TEST(EndOfStage, AnswersEveryFunctionOfATermAtTheEnd) {
   ended.prepare(x, p, c);
   EXPECT_EQ(told.told, end.sum() + 2 * way.sum() + once.time);
   const std::vector<const Energy*> seen(4, &term);
+  ASSERT_EQ(ended.lagged_term(), &ended);
   ended.see(seen);
   EXPECT_EQ(told.told, 40);
   EXPECT_TRUE(ended.form_lag(x, c));

@@ -218,7 +218,7 @@ struct EveryTerm : ::testing::TestWithParam<TermCase> {
   const Energy* energy = nullptr;  ///< energy of the stage at hand
   Potential* potential = nullptr;
   VectorX x, p;
-  const Conditions at_hand{.time = 0.03, .load = 0.75, .collider_delay = 0.005};
+  const Conditions at_hand{.time = 0.03, .load = 0.75, .delay = 0.005};
   Conditions conditions = at_hand;
 
   void SetUp() override {
@@ -233,7 +233,7 @@ struct EveryTerm : ::testing::TestWithParam<TermCase> {
     const VectorX before = world.rest_positions + random_vector(x.size(), 0.01, 11);
     for (const std::string& integrator : integrator_names()) {
       auto made = std::make_unique<Potential>(terms, world.is_fixed, at_hand, first_stage(integrator, x),
-                                              Share(), start_of_history(terms, before, step_length));
+                                              ProcessGroup(), start_of_history(terms, before, step_length));
       const Energy* in_stage = made->terms().front();
       const bool is_known = !stages.empty() && in_stage == term.get();  // the same in all stages
       if (!is_known) stages.push_back({integrator, std::move(made), in_stage});
@@ -395,7 +395,7 @@ TEST_P(EveryTerm, CountsAsOftenAsAStageSaysIfItActsAsAnImpulse) {
     const VectorX gradient = gradient_at(x), magnitude = magnitude_at(x);
     VectorX product, weighted_product;
     multiply(hessian_at(x, Projection::none), p, product);
-    conditions.contact_weight = 3;
+    conditions.weight = 3;
     multiply(hessian_at(x, Projection::none), p, weighted_product);
     EXPECT_DOUBLE_EQ(energy->value(x, conditions), times * value);
     EXPECT_DOUBLE_EQ(energy->difference(x, x + 0.005 * p, conditions), times * difference);

@@ -33,7 +33,7 @@ ColliderDescription ram(const std::string& kind, int dim, double speed) {
 /// By distances and by exact predicates.
 void expect_nothing_inside(const Simulation& simulation) {
   const State& state = simulation.state();
-  const Conditions now{.time = state.time, .collider_delay = state.collider_delay};
+  const Conditions now{.time = state.time, .delay = state.collider_delay};
   for (const auto& collider : simulation.world().colliders)
     EXPECT_GT(collider->nearest(state.positions, now).distance, 0) << state.time;
   for (const auto& collider : simulation.world().mesh_colliders) {

@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 
 Conditions now(const State& state) {
-  return {.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+  return {.time = state.time, .load = state.load, .delay = state.collider_delay};
 }
 
 /// Expects that no edge goes through a facet, by exact predicates, and that nothing touches.

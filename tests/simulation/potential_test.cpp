@@ -25,8 +25,8 @@ class Mover final : public BasicEnergy {
   /// As far as the whole way, or a part of it that is shorter and shorter, ends where it is clear.
   double least_delay(const VectorX&, const Conditions& c) const override {
     for (double part = 1; part > 1e-3; part *= 0.8)
-      if (is_clear(c.time - (1 - part) * c.collider_delay)) return (1 - part) * c.collider_delay;
-    return c.collider_delay;
+      if (is_clear(c.time - (1 - part) * c.delay)) return (1 - part) * c.delay;
+    return c.delay;
   }
   bool is_clear(double time) const {
     for (const Clear& clear : clear_)
@@ -49,7 +49,7 @@ TEST(TheDelayOfAll, IsOneAtWhichNothingIsInTheWay) {
       const std::vector<std::shared_ptr<const Energy>> terms = {first, second};
       const std::vector<std::uint8_t> is_fixed(3, 0);
       const VectorX x = VectorX::Zero(3);
-      const Conditions conditions{.time = 1, .collider_delay = 1};
+      const Conditions conditions{.time = 1, .delay = 1};
       const Potential potential(terms, is_fixed, conditions, {.base_positions = x, .duration = 1});
       const double delay = potential.least_delay(x);
       EXPECT_TRUE(first->is_clear(1 - delay)) << stop << ", " << delay;

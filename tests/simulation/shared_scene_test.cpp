@@ -106,7 +106,7 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
     VectorX gradient, magnitude;
     potential.gradient(state.positions, gradient);
     potential.gradient_magnitude(state.positions, magnitude);
-    const Parts parts(*whole.pattern);
+    const ConnectedComponents parts(*whole.pattern);
     ASSERT_EQ(parts.count(), 2);
     const VectorX scales = potential.force_scales(state.positions, gradient, parts);
     const Frame frame = measure_frame(whole, state, &gradient);
@@ -122,7 +122,7 @@ TEST_P(EveryElementInParts, HasTheEnergiesForcesAndVerdictsOfTheWhole) {
       VectorX forces, sizes;
       share.gradient(own.positions, forces);
       share.gradient_magnitude(own.positions, sizes);
-      const Parts own_parts(*world.pattern, world.share);
+      const ConnectedComponents own_parts(*world.pattern, world.share);
       const VectorX own_scales = share.force_scales(own.positions, forces, own_parts);
       const double energy = share.difference(world.rest_positions, own.positions);
       const double norm = world.share.norm(forces);

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "resilin/core/share.hpp"
+#include "resilin/core/process_group.hpp"
 #include "resilin/world/scene_cut.hpp"
 
 namespace resilin::testing {
@@ -111,7 +111,7 @@ inline void on_parts(const World& whole, const std::vector<std::vector<std::int3
   for (int rank = 0; rank < num_ranks; ++rank)
     threads.emplace_back([&, rank] {
       const ScenePart part = cut.part(rank);
-      const World world(part, Share(std::make_shared<const ThreadExchange>(rank, part, table)));
+      const World world(part, ProcessGroup(std::make_shared<const ThreadExchange>(rank, part, table)));
       work(world);
     });
   for (std::thread& thread : threads) thread.join();

@@ -54,7 +54,7 @@ TEST(ShownColliders, LieWhereBodiesFeelThem) {
     const World world(bar_and_all_kinds(dim));
     const std::vector<ShownCollider> shown = shown_colliders(world);
     ASSERT_EQ(shown.size(), world.colliders.size() + world.mesh_colliders.size());
-    for (const Conditions& c : {Conditions{.time = 0}, Conditions{.time = 2, .collider_delay = 0.5}}) {
+    for (const Conditions& c : {Conditions{.time = 0}, Conditions{.time = 2, .delay = 0.5}}) {
       for (std::size_t i = 0; i < world.colliders.size(); ++i)
         for (const Vector3& x : places_of(shown[i], c))
           EXPECT_NEAR(world.colliders[i]->distance(x, c), 0, 1e-11) << shown[i].name << ", dim " << dim;

@@ -60,7 +60,7 @@ void ColliderBarrier::set_shape(std::shared_ptr<const ColliderShape> shape) {
 }
 
 RigidPlace ColliderBarrier::rigid_place(const Conditions& c) const {
-  RigidPlace place = motion_.place(c.time - c.collider_delay);
+  RigidPlace place = motion_.place(c.time - c.delay);
   place.shift += offset_;
   return place;
 }
@@ -90,7 +90,7 @@ double ColliderBarrier::value(const VectorX& x, const Conditions& c) const {
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
     sum += sum_of_values(set, contact.places);
   });
-  return c.contact_weight * sum;
+  return c.weight * sum;
 }
 
 double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
@@ -105,18 +105,17 @@ double ColliderBarrier::difference(const VectorX& from, const VectorX& to, const
     sum += stiffness(point) * barrier_.difference(d, change);
   }
   if (facets_) sum += facets_->difference(from, to, ball(c));
-  return c.contact_weight * sum;
+  return c.weight * sum;
 }
 
 void ColliderBarrier::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    const Vector3 slope =
-        c.contact_weight * stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
+    const Vector3 slope = c.weight * stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
     points_.places.add_to_nodes(dim_, point, slope, gradient);
   });
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
-    facets_->surface().add_to_nodes(c.contact_weight * sum_of_gradients(set, contact.places), gradient);
+    facets_->surface().add_to_nodes(c.weight * sum_of_gradients(set, contact.places), gradient);
   });
 }
 
@@ -124,13 +123,12 @@ void ColliderBarrier::add_gradient_magnitude(const VectorX& x, const Conditions&
                                              VectorX& magnitude) const {
   const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    const Vector3 slope =
-        c.contact_weight * stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
+    const Vector3 slope = c.weight * stiffness(point) * barrier_.slope(d) * place.turned(shape_->normal(y));
     points_.places.add_magnitude_to_nodes(dim_, point, slope.cwiseAbs(), magnitude);
   });
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
     const VectorX magnitudes = sum_of_gradients(set, contact.places, GradientParts::magnitudes);
-    facets_->surface().add_magnitudes_to_nodes(c.contact_weight * magnitudes, magnitude);
+    facets_->surface().add_magnitudes_to_nodes(c.weight * magnitudes, magnitude);
   });
 }
 
@@ -148,7 +146,7 @@ void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Project
                                   BlockMatrix& hessian) const {
   const RigidPlace place = rigid_place(c);
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    const Eigen::Matrix3d block = c.contact_weight * curvature_at(point, y, d, place, projection);
+    const Eigen::Matrix3d block = c.weight * curvature_at(point, y, d, place, projection);
     points_.places.for_each_pair_of_nodes(point, point, [&](Index a, Index b, double share) {
       if (a > b) return;  // the other half of the matrix
       std::array<double, 9> values{};
@@ -158,7 +156,7 @@ void ColliderBarrier::add_hessian(const VectorX& x, const Conditions& c, Project
     });
   });
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
-    add_node_hessian(set, contact.places, c.contact_weight, projection, hessian);
+    add_node_hessian(set, contact.places, c.weight, projection, hessian);
   });
 }
 
@@ -174,8 +172,7 @@ void ColliderBarrier::add_parameter_slopes(std::string_view name, const VectorX&
   const RigidPlace place = rigid_place(c);
   if (name == "barrier_stiffness") {
     for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-      slopes[point] +=
-          c.contact_weight * barrier_.slope(d) * place.turned(shape_->normal(y)).dot(at(point, w));
+      slopes[point] += c.weight * barrier_.slope(d) * place.turned(shape_->normal(y)).dot(at(point, w));
     });
     for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
       const std::vector<double> along =
@@ -183,20 +180,20 @@ void ColliderBarrier::add_parameter_slopes(std::string_view name, const VectorX&
       for (std::size_t k = 0; k < along.size(); ++k) {
         const SofterBodies softer = softer_bodies(set.surface, set.terms[k]);
         for (std::size_t side = 0; side < 2; ++side)
-          slopes[points_.size() + softer.bodies[side]] += c.contact_weight * softer.shares[side] * along[k];
+          slopes[points_.size() + softer.bodies[side]] += c.weight * softer.shares[side] * along[k];
       }
     });
     return;
   }
   Vector3 by_shift = Vector3::Zero();
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    by_shift -= c.contact_weight * curvature_at(point, y, d, place, Projection::none) * at(point, w);
+    by_shift -= c.weight * curvature_at(point, y, d, place, Projection::none) * at(point, w);
   });
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
     const VectorX ways = facets_->surface().displacements(w);
-    by_shift += c.contact_weight * facets_->at_center(hessian_times(set, contact.places, ways));
+    by_shift += c.weight * facets_->at_center(hessian_times(set, contact.places, ways));
   });
-  slopes += motion_.slopes_by(name, c.time - c.collider_delay).shift.transpose() * by_shift;
+  slopes += motion_.slopes_by(name, c.time - c.delay).shift.transpose() * by_shift;
 }
 
 void ColliderBarrier::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
@@ -204,8 +201,7 @@ void ColliderBarrier::add_parameter_forces(std::string_view name, const VectorX&
   const RigidPlace place = rigid_place(c);
   if (name == "barrier_stiffness") {
     for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-      const Vector3 slope =
-          c.contact_weight * change[point] * barrier_.slope(d) * place.turned(shape_->normal(y));
+      const Vector3 slope = c.weight * change[point] * barrier_.slope(d) * place.turned(shape_->normal(y));
       points_.places.add_to_nodes(dim_, point, slope, gradient);
     });
     for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
@@ -216,18 +212,18 @@ void ColliderBarrier::add_parameter_forces(std::string_view name, const VectorX&
                           softer.shares[1] * change[points_.size() + softer.bodies[1]];
       }
       const VectorX forces = sum_of_gradients({set.surface, changes}, contact.places);
-      facets_->surface().add_to_nodes(c.contact_weight * forces, gradient);
+      facets_->surface().add_to_nodes(c.weight * forces, gradient);
     });
     return;
   }
-  const Vector3 shift = motion_.slopes_by(name, c.time - c.collider_delay).shift * change;
+  const Vector3 shift = motion_.slopes_by(name, c.time - c.delay).shift * change;
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
-    const Vector3 slope = -c.contact_weight * (curvature_at(point, y, d, place, Projection::none) * shift);
+    const Vector3 slope = -c.weight * (curvature_at(point, y, d, place, Projection::none) * shift);
     points_.places.add_to_nodes(dim_, point, slope, gradient);
   });
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
     const VectorX forces = hessian_times(set, contact.places, facets_->only_center(shift));
-    facets_->surface().add_to_nodes(c.contact_weight * forces, gradient);
+    facets_->surface().add_to_nodes(c.weight * forces, gradient);
   });
 }
 
@@ -270,7 +266,7 @@ void ColliderBarrier::add_friction_contacts(const VectorX& x, const VectorX& /*s
     if (d <= 0) return;
     contacts.add({.normal = place.turned(shape_->normal(y)),
                   .limit = -friction_ * stiffness(point) * barrier_.slope(d),
-                  .velocity = motion_.velocity_at(at(point, x), c.time - c.collider_delay)},
+                  .velocity = motion_.velocity_at(at(point, x), c.time - c.delay)},
                  points_.places.weighted_nodes(point));
   });
   add_facet_friction(x, c, contacts);
@@ -283,7 +279,7 @@ void ColliderBarrier::add_facet_friction(const VectorX& x, const Conditions& c,
       const Vector3 touched = ball(c).center - force.distance * force.normal;
       contacts.add({.normal = -force.normal,
                     .limit = friction_ * force.force,
-                    .velocity = motion_.velocity_at(touched, c.time - c.collider_delay)},
+                    .velocity = motion_.velocity_at(touched, c.time - c.delay)},
                    nodes_of_body(set.surface, force));
     }
   });
@@ -294,7 +290,7 @@ void ColliderBarrier::add_friction_slopes(const VectorX& x, const VectorX& start
   FrictionContacts contacts;
   add_friction_contacts(x, start, c, contacts);
   const RigidPlace place = rigid_place(c);
-  const Eigen::Matrix3d turning = cross_matrix(motion_.spin(c.time - c.collider_delay));
+  const Eigen::Matrix3d turning = cross_matrix(motion_.spin(c.time - c.delay));
   std::size_t next = 0;
   for_each_near(x, c, [&](Index point, const Vector3& y, double d) {
     if (next == contacts.size() || d <= 0) return;
@@ -324,7 +320,7 @@ void ColliderBarrier::add_facet_friction_slopes(const VectorX& x, const Conditio
                                                 std::vector<FrictionContactSlopes>& slopes) const {
   FrictionContacts contacts;
   add_facet_friction(x, c, contacts);
-  const Eigen::Matrix3d turning = cross_matrix(motion_.spin(c.time - c.collider_delay));
+  const Eigen::Matrix3d turning = cross_matrix(motion_.spin(c.time - c.delay));
   for_near_facets(x, c, [&](const BallFacets::Contact& contact, const TermSet& set) {
     const std::vector<PartForce> forces = part_forces(set, contact.places);
     const std::vector<PartForceSlopes> of_forces = part_force_slopes(set, contact.places);
@@ -462,15 +458,14 @@ bool ColliderBarrier::may_go(const VectorX& x, double from, double to) const {
 double ColliderBarrier::least_delay(const VectorX& x, const Conditions& c) const {
   if (motion_.keeps_place() || !is_active_) return 0;
   if (motion_.is_straight()) {
-    const double reached = std::min(c.time - c.collider_delay, motion_.until);
+    const double reached = std::min(c.time - c.delay, motion_.until);
     const double wanted = std::min(c.time, motion_.until);
     const double part = largest_motion(x, (wanted - reached) * motion_.velocity, c);
     return part == 1 ? 0 : c.time - (reached + part * (wanted - reached));
   }
   for (double part = 1; part > least_part; part *= next_part)
-    if (may_go(x, c.time - c.collider_delay, c.time - (1 - part) * c.collider_delay))
-      return (1 - part) * c.collider_delay;
-  return c.collider_delay;
+    if (may_go(x, c.time - c.delay, c.time - (1 - part) * c.delay)) return (1 - part) * c.delay;
+  return c.delay;
 }
 
 }  // namespace resilin

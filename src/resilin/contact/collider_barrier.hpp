@@ -89,7 +89,7 @@ class ColliderBarrier final : public BasicEnergy, public FrictionSource {
   double largest_motion(const VectorX& x, const Vector3& motion, const Conditions& c,
                         double share = share_left) const;
 
-  /// The least delay, from 0 to `c.collider_delay`, with which the collider's own motion has gone on from
+  /// The least delay, from 0 to `c.delay`, with which the collider's own motion has gone on from
   /// there no further than `largest_motion` allows [s].
   double least_delay(const VectorX& x, const Conditions& c) const override;
 

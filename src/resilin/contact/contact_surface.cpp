@@ -169,7 +169,7 @@ class Shares {
 VectorX ContactSurface::places(const VectorX& x, const Conditions& c) const {
   VectorX y = displacements(x);
   if (!obstacle) return y;
-  const RigidPlace place = obstacle->motion.place(c.time - c.collider_delay);
+  const RigidPlace place = obstacle->motion.place(c.time - c.delay);
   Eigen::Index next = Eigen::Index{num_body_vertices()} * parts.dim;
   for (const Vector3& X : obstacle->mesh.vertices) {
     y.segment(next, parts.dim) = place(X).head(parts.dim);

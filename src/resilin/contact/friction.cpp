@@ -110,7 +110,7 @@ FrictionContacts Friction::contacts(const VectorX& x, const Conditions& c) const
 
 std::optional<double> Friction::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                             const Conditions& after) const {
-  const double duration = (after.time - after.collider_delay) - (before.time - before.collider_delay);
+  const double duration = (after.time - after.delay) - (before.time - before.delay);
   const auto most = [&](const VectorX& x, const Conditions& c) {
     const FrictionContacts all = contacts(x, c);
     double work = 0;
@@ -267,7 +267,7 @@ double LaggedFriction::value(const VectorX& x, const Conditions& c) const {
     const Slip u = slip(entry, tangents(friction_.dim(), entry.contact.normal), x);
     sum += entry.contact.limit * slip_.length(u.norm());
   }
-  return c.contact_weight * sum;
+  return c.weight * sum;
 }
 
 // |u + du| - |u| = du.(2 u + du) / (|u + du| + |u|)
@@ -285,7 +285,7 @@ double LaggedFriction::difference(const VectorX& from, const VectorX& to, const 
     const double change = du.dot(2 * u + du) / (y + end);
     sum += entry.contact.limit * slip_.length_change(y, end, change);
   }
-  return c.contact_weight * sum;
+  return c.weight * sum;
 }
 
 void LaggedFriction::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
@@ -301,7 +301,7 @@ void LaggedFriction::add_gradient_of(const FrictionContacts& contacts, const Vec
   const int dim = friction_.dim();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const FrictionContacts::Entry entry = contacts[i];
-    const Vector3 slope = -c.contact_weight * force(entry, x);
+    const Vector3 slope = -c.weight * force(entry, x);
     for (const auto& [node, weight] : entry.nodes)
       gradient.segment(Eigen::Index{node} * dim, dim) += weight * slope.head(dim);
   }
@@ -311,7 +311,7 @@ void LaggedFriction::add_gradient_magnitude(const VectorX& x, const Conditions& 
   const int dim = friction_.dim();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const FrictionContacts::Entry entry = contacts_[i];
-    const Vector3 slope = c.contact_weight * force(entry, x).cwiseAbs();
+    const Vector3 slope = c.weight * force(entry, x).cwiseAbs();
     for (const auto& [node, weight] : entry.nodes)
       magnitude.segment(Eigen::Index{node} * dim, dim) += std::abs(weight) * slope.head(dim);
   }
@@ -332,7 +332,7 @@ void LaggedFriction::add_hessian(const VectorX& x, const Conditions& c, Projecti
     const Eigen::Matrix2d turned = w * unit(u).transpose();
     const Eigen::Matrix2d inner = slip_.slope_over_slip(y) * Eigen::Matrix2d::Identity() -
                                   0.5 * slip_.fall_of_slope(y) * (turned + turned.transpose());
-    const Eigen::Matrix3d block = c.contact_weight * entry.contact.limit * (T * inner * T.transpose());
+    const Eigen::Matrix3d block = c.weight * entry.contact.limit * (T * inner * T.transpose());
     std::array<double, 9> values{};
     for (std::size_t k = 0; k < entry.nodes.size(); ++k)
       for (std::size_t l = k; l < entry.nodes.size(); ++l) {

@@ -9,6 +9,7 @@
 #include "resilin/contact/friction_contact.hpp"
 #include "resilin/contact/mollified_slip.hpp"
 #include "resilin/core/relaxation.hpp"
+#include "resilin/energy/lagged_term.hpp"
 #include "resilin/energy/stage_term.hpp"
 #include "resilin/energy/time_function.hpp"
 
@@ -62,7 +63,7 @@ class Friction final : public StageTerm {
 class FrictionSlopes;
 
 /// The friction of one stage.
-class LaggedFriction final : public BasicEnergy {
+class LaggedFriction final : public BasicEnergy, public LaggedTerm {
  public:
   /// @param friction  kept by reference
   LaggedFriction(const Friction& friction, const Stage& stage);
@@ -77,6 +78,7 @@ class LaggedFriction final : public BasicEnergy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                    BlockMatrix& hessian) const override;
 
+  LaggedTerm* lagged_term() override { return this; }
   /// Takes the sources' own terms of the stage, which know what is near.
   void see(std::span<const Energy* const> terms) override;
   bool form_lag(const VectorX& x, const Conditions& c) override;

@@ -84,7 +84,7 @@ class FrictionSource {
   /// Whether it is a stage's own copy of the other, which may know more of what is near.
   virtual bool is_copy_of(const FrictionSource& /*other*/) const { return false; }
   /// Its contacts when bodies stand at x, in an order that does not depend on the number of threads. Their
-  /// forces count once, whatever `c.contact_weight` is.
+  /// forces count once, whatever `c.weight` is.
   /// @param start  where bodies stood when the stage began: they slide along the surfaces that they had there
   virtual void add_friction_contacts(const VectorX& x, const VectorX& start, const Conditions& c,
                                      FrictionContacts& contacts) const = 0;

@@ -20,7 +20,7 @@ std::vector<EnergyParameter> LaggedFriction::parameters() const {
 }
 
 const FrictionSlopes& LaggedFriction::slopes_at(const VectorX& x, const Conditions& c) const {
-  const double time = c.time - c.collider_delay;
+  const double time = c.time - c.delay;
   if (!slopes_ || slopes_at_ != x || slopes_time_ != time) {
     slopes_ = std::make_shared<const FrictionSlopes>(friction_.dim(), sources_, x, start_, still_, time_,
                                                      slip_.eps, c);
@@ -39,7 +39,7 @@ void LaggedFriction::add_parameter_slopes(std::string_view name, const VectorX& 
   FrictionSlopes::Change found;
   const auto add = [&](VectorX FrictionSlopes::Change::* part) {
     found.*part = zero(slopes.size());
-    at.add_slopes(w, c.contact_weight, found);
+    at.add_slopes(w, c.weight, found);
     slopes += found.*part;
     found.*part = {};
   };
@@ -53,12 +53,12 @@ void LaggedFriction::add_parameter_slopes(std::string_view name, const VectorX& 
     return;
   }
   found.shifts = found.rates = zero(slopes.size());
-  at.add_slopes(w, c.contact_weight, found);
+  at.add_slopes(w, c.weight, found);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     const ColliderMotion* motion = sources_[s]->motion_of_its_own();
     if (motion == nullptr) continue;
     const auto first = 3 * static_cast<Eigen::Index>(s);
-    const ColliderMotion::Slopes by = motion->slopes_by(name, c.time - c.collider_delay);
+    const ColliderMotion::Slopes by = motion->slopes_by(name, c.time - c.delay);
     slopes.segment<3>(first) += by.shift.transpose() * found.shifts.segment<3>(first) +
                                 by.rate.transpose() * found.rates.segment<3>(first);
   }
@@ -84,12 +84,12 @@ void LaggedFriction::add_parameter_forces(std::string_view name, const VectorX& 
       const ColliderMotion* motion = sources_[s]->motion_of_its_own();
       if (motion == nullptr) continue;
       const auto first = 3 * static_cast<Eigen::Index>(s);
-      const ColliderMotion::Slopes by = motion->slopes_by(name, c.time - c.collider_delay);
+      const ColliderMotion::Slopes by = motion->slopes_by(name, c.time - c.delay);
       of.shifts.segment<3>(first) = by.shift * change.segment<3>(first);
       of.rates.segment<3>(first) = by.rate * change.segment<3>(first);
     }
   }
-  slopes_at(x, c).add_forces(of, c.contact_weight, gradient);
+  slopes_at(x, c).add_forces(of, c.weight, gradient);
 }
 
 }  // namespace resilin

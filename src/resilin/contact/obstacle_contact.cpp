@@ -44,10 +44,10 @@ double ObstacleContact::free_way(const VectorX& x, double from, double to) const
 
 double ObstacleContact::least_delay(const VectorX& x, const Conditions& c) const {
   const ColliderMotion& motion = obstacle().motion;
-  if (motion.keeps_place() || !(c.collider_delay > 0)) return 0;
+  if (motion.keeps_place() || !(c.delay > 0)) return 0;
   const double last = motion.is_straight() ? motion.until : std::numeric_limits<double>::infinity();
   const double wanted = std::min(c.time, last);
-  double reached = std::min(c.time - c.collider_delay, last);
+  double reached = std::min(c.time - c.delay, last);
   for (int way = 0; way < most_ways; ++way) {
     double part = free_way(x, reached, wanted);
     if (part == 1) return 0;
@@ -88,14 +88,14 @@ void ObstacleContact::add_parameter_slopes(std::string_view name, const VectorX&
   Vector3 by_shift = Vector3::Zero();
   for (auto v = surface().num_body_vertices(); v < static_cast<Index>(surface().parts.num_vertices()); ++v)
     by_shift += node_position(dim, v, forces);
-  slopes += obstacle().motion.slopes_by(name, c.time - c.collider_delay).shift.transpose() * by_shift;
+  slopes += obstacle().motion.slopes_by(name, c.time - c.delay).shift.transpose() * by_shift;
 }
 
 void ObstacleContact::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
                                            const Conditions& c, VectorX& gradient) const {
   if (name == "barrier_stiffness") return SurfaceContact::add_parameter_forces(name, x, change, c, gradient);
   const int dim = surface().parts.dim;
-  const Vector3 shift = obstacle().motion.slopes_by(name, c.time - c.collider_delay).shift * change;
+  const Vector3 shift = obstacle().motion.slopes_by(name, c.time - c.delay).shift * change;
   VectorX ways = VectorX::Zero(static_cast<Eigen::Index>(surface().parts.num_vertices()) * dim);
   for (auto v = surface().num_body_vertices(); v < static_cast<Index>(surface().parts.num_vertices()); ++v)
     ways.segment(Eigen::Index{v} * dim, dim) = shift.head(dim);

@@ -7,8 +7,8 @@ namespace resilin {
 /// Keeps the surfaces of bodies off an obstacle that moves by itself: neither bodies nor parts of the
 /// obstacle meet each other here.
 ///
-/// Its vertices go from where they are `collider_delay` behind to where they should be on straight chords, on
-/// which bodies that stand must not be in the way: then it stays behind.
+/// Its vertices go from where they are `Conditions::delay` behind to where they should be on straight chords,
+/// on which bodies that stand must not be in the way: then it stays behind.
 class ObstacleContact final : public SurfaceContact {
  public:
   /// @param surface  whose last body is the obstacle

@@ -33,7 +33,7 @@ SurfaceContact::SurfaceContact(std::string name, ContactSurface surface, BodyMee
           moving_points(surface_->parts.dim, numbers(surface_->places(positions))))) {}
 
 bool SurfaceContact::State::is_of(const VectorX& positions, const Conditions& c) const {
-  return x.size() > 0 && time == c.time && delay == c.collider_delay && x == positions;
+  return x.size() > 0 && time == c.time && delay == c.delay && x == positions;
 }
 
 template <class Use>
@@ -67,7 +67,7 @@ SurfaceContact::State& SurfaceContact::state_at(Memory& memory, const VectorX& x
   cover(memory, newer.places, newer.places);
   newer.x = x;
   newer.time = c.time;
-  newer.delay = c.collider_delay;
+  newer.delay = c.delay;
   find_terms(memory, newer);
   return newer;
 }
@@ -76,7 +76,7 @@ double SurfaceContact::value(const VectorX& x, const Conditions& c) const {
   return with_memory([&](Memory& memory) {
     const State& state = state_at(memory, x, c);
     const Stopwatch watch(timing_->barrier);
-    return c.contact_weight * sum_of_values(set_of(state), state.places);
+    return c.weight * sum_of_values(set_of(state), state.places);
   });
 }
 
@@ -99,7 +99,7 @@ double SurfaceContact::difference(Memory& memory, const VectorX& from, const Vec
     near |= after.near;
     terms = contact_terms(*surface_, memory.search.candidates(), near, barrier_.activation_distance).terms;
   }
-  return c.contact_weight * sum_of_differences({*surface_, terms}, before.places, after.places);
+  return c.weight * sum_of_differences({*surface_, terms}, before.places, after.places);
 }
 
 double SurfaceContact::difference(const VectorX& from, const VectorX& to, const Conditions& c) const {
@@ -115,13 +115,13 @@ const VectorX& SurfaceContact::gradient_at(Memory& memory, const VectorX& x, con
 }
 
 VectorX SurfaceContact::vertex_gradient(const VectorX& x, const Conditions& c) const {
-  return with_memory([&](Memory& memory) { return VectorX(c.contact_weight * gradient_at(memory, x, c)); });
+  return with_memory([&](Memory& memory) { return VectorX(c.weight * gradient_at(memory, x, c)); });
 }
 
 void SurfaceContact::add_gradient(const VectorX& x, const Conditions& c, VectorX& gradient) const {
   with_memory([&](Memory& memory) {
     if (state_at(memory, x, c).merged.terms.empty()) return;
-    surface_->add_to_nodes(c.contact_weight * gradient_at(memory, x, c), gradient);
+    surface_->add_to_nodes(c.weight * gradient_at(memory, x, c), gradient);
   });
 }
 
@@ -129,7 +129,7 @@ void SurfaceContact::add_gradient_magnitude(const VectorX& x, const Conditions& 
   with_memory([&](Memory& memory) {
     const State& state = state_at(memory, x, c);
     const VectorX of_vertices = sum_of_gradients(set_of(state), state.places, GradientParts::magnitudes);
-    surface_->add_magnitudes_to_nodes(c.contact_weight * of_vertices, magnitude);
+    surface_->add_magnitudes_to_nodes(c.weight * of_vertices, magnitude);
   });
 }
 
@@ -138,7 +138,7 @@ void SurfaceContact::add_hessian(const VectorX& x, const Conditions& c, Projecti
   with_memory([&](Memory& memory) {
     const State& state = state_at(memory, x, c);
     const Stopwatch watch(timing_->barrier);
-    add_node_hessian(set_of(state), state.places, c.contact_weight, projection, hessian);
+    add_node_hessian(set_of(state), state.places, c.weight, projection, hessian);
   });
 }
 
@@ -151,7 +151,7 @@ void SurfaceContact::add_parameter_slopes(std::string_view /*name*/, const Vecto
     for (std::size_t k = 0; k < along.size(); ++k) {
       const SofterBodies softer = softer_bodies(*surface_, set.terms[k]);
       for (std::size_t side = 0; side < 2; ++side)
-        slopes[softer.bodies[side]] += c.contact_weight * softer.shares[side] * along[k];
+        slopes[softer.bodies[side]] += c.weight * softer.shares[side] * along[k];
     }
   });
 }
@@ -166,7 +166,7 @@ void SurfaceContact::add_parameter_forces(std::string_view /*name*/, const Vecto
       term.stiffness *=
           softer.shares[0] * change[softer.bodies[0]] + softer.shares[1] * change[softer.bodies[1]];
     }
-    surface_->add_to_nodes(c.contact_weight * sum_of_gradients({*surface_, changes}, state.places), gradient);
+    surface_->add_to_nodes(c.weight * sum_of_gradients({*surface_, changes}, state.places), gradient);
   });
 }
 
@@ -203,7 +203,7 @@ bool SurfaceContact::add_second_order_forces(const VectorX& x, const VectorX& p,
     const VectorX of_vertices =
         second_order_forces({*surface_, state.all.terms}, state.places, surface_->displacements(p));
     if (of_vertices.size() == 0) return false;
-    surface_->add_to_nodes(c.contact_weight * of_vertices, forces);
+    surface_->add_to_nodes(c.weight * of_vertices, forces);
     return true;
   });
 }
@@ -256,8 +256,7 @@ std::vector<SurfaceContact::BodyContact> SurfaceContact::body_contacts(const Vec
         contacts.try_emplace({low, high}, BodyContact{.body = low, .other = high}).first->second;
     ++contact.num_pairs;
     contact.gap = std::min(contact.gap, force.distance);
-    if (low != high)
-      contact.force += (first == high ? 1 : -1) * c.contact_weight * force.force * force.normal;
+    if (low != high) contact.force += (first == high ? 1 : -1) * c.weight * force.force * force.normal;
   }
   std::vector<BodyContact> list;
   for (const auto& [pair, contact] : contacts) list.push_back(contact);
@@ -283,7 +282,7 @@ void SurfaceContact::add_friction_contacts(const VectorX& x, const VectorX& star
       if (force.weights[i] != 0 && obstacle && surface_->is_obstacle(vertex))  // its own part of the slip
         contact.velocity -=
             force.weights[i] *
-            obstacle->motion.velocity_at(node_position(parts.dim, vertex, places), c.time - c.collider_delay);
+            obstacle->motion.velocity_at(node_position(parts.dim, vertex, places), c.time - c.delay);
     }
     set_nodes_of(force, nodes);
     contacts.add(contact, nodes);
@@ -298,7 +297,7 @@ VectorX SurfaceContact::vertex_hessian_times(const VectorX& x, const Conditions&
                                              const VectorX& displacements) const {
   return with_memory([&](Memory& memory) {
     const State& state = state_at(memory, x, c);
-    return VectorX(c.contact_weight * hessian_times(set_of(state), state.places, displacements));
+    return VectorX(c.weight * hessian_times(set_of(state), state.places, displacements));
   });
 }
 

@@ -96,7 +96,7 @@ class SurfaceContact : public BasicEnergy, public FrictionSource {
   const ContactSurface& surface() const { return *surface_; }
   const BodyMeetings& meetings() const { return trees_->meetings(); }
 
-  /// The forces of all terms [N], `contact_weight` left out.
+  /// The forces of all terms [N], `Conditions::weight` left out.
   std::vector<PartForce> part_forces(const VectorX& x, const Conditions& c = {}) const;
 
   /// Wall time since the term was made, that of its stages among it [s].

@@ -17,7 +17,7 @@ void SurfaceContact::add_friction_slopes(const VectorX& x, const VectorX& start,
   const CollisionSurface& parts = surface_->parts;
   const VectorX places = surface_->places(x, c), start_places = surface_->places(start, c);
   const std::optional<ContactObstacle>& obstacle = surface_->obstacle;
-  const double time = c.time - c.collider_delay;
+  const double time = c.time - c.delay;
   const std::vector<ContactTerm> terms = terms_at(x, c);
   const TermSet set{*surface_, terms};
   const std::vector<PartForce> forces = resilin::part_forces(set, places);

@@ -9,6 +9,7 @@
 
 #include "resilin/core/cpu.hpp"
 #include "resilin/element/element.hpp"
+#include "resilin/energy/cell_term.hpp"
 #include "resilin/energy/elastic_tiles.hpp"
 #include "resilin/energy/energy.hpp"
 #include "resilin/material/derive.hpp"
@@ -34,7 +35,7 @@ class CellMatrices {
 };
 
 /// Strain energy of a body: E(x) = sum_cells V Psi(F(x)).
-class ElasticEnergy final : public BasicEnergy {
+class ElasticEnergy final : public BasicEnergy, public CellTerm {
  public:
   /// @param choice          a name of element/catalog.hpp, with a quadrature rule where the default is not
   /// meant
@@ -68,6 +69,7 @@ class ElasticEnergy final : public BasicEnergy {
   void add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                    BlockMatrix& hessian) const override;
 
+  const CellTerm* cell_term() const override { return this; }
   /// Mixed elements keep a constant pressure per cell: dU/dJ of the law's volume energy [Pa]. Newton
   /// may carry them along (docs/theory/mean_volume.md); empty for other elements.
   VectorX internal_values(const VectorX& x) const override;

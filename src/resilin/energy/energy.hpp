@@ -18,10 +18,10 @@ namespace resilin {
 
 /// Conditions that loads and moving targets depend on, besides the positions.
 struct Conditions {
-  double time = 0;            ///< [s]; in a static run the load factor times the scene's end time
-  double load = 1;            ///< load factor of a static run; 1 in dynamics
-  double collider_delay = 0;  ///< delay of moving colliders within a step [s]
-  double contact_weight = 1;  ///< weight of terms that act as impulses (`Stage`)
+  double time = 0;    ///< [s]; in a static run the load factor times the scene's end time
+  double load = 1;    ///< load factor of a static run; 1 in dynamics
+  double delay = 0;   ///< how far motions that bodies may block are behind `time` [s]
+  double weight = 1;  ///< factor of the energies of terms that act as impulses (`acts_as_impulse`)
 };
 
 /// Category of a term in reports.
@@ -71,8 +71,10 @@ class CellMatrices;
 /// A source of friction on bodies (contact/friction_contact.hpp).
 class FrictionSource;
 
-/// A term that owns internal variables (energy/history_term.hpp).
+/// Capabilities of a term that are asked for as a whole: each has a header of its name.
+class CellTerm;
 class HistoryTerm;
+class LaggedTerm;
 
 /// One term of the sum that is minimised over the positions: E(x) in joules.
 ///
@@ -121,25 +123,22 @@ class Energy {
   /// The largest step t in (0, 1] such that x + t p stays inside the domain with a margin.
   virtual double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const = 0;
 
-  // ---- values that are carried along: numbers besides x on which the Hessian may be formed, such as the
-  // pressures of elements that keep one
+  // ---- capabilities as a whole; null: the term does without
 
-  /// Those that belong to x, ...
-  virtual VectorX internal_values(const VectorX& x) const = 0;
-  virtual Eigen::Index num_internal_values() const = 0;
-  /// ... or those that follow from x to first order along x + t p.
-  virtual VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const = 0;
-  /// `along`: what the term takes along, see `takes`.
-  virtual void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c,
-                              Projection projection, BlockMatrix& hessian,
-                              std::span<const CellMatrices* const> along = {}) const = 0;
+  /// The term as one with internal variables: its stages begin with those of a state.
+  virtual const HistoryTerm* history_term() const = 0;
 
-  // ---- matrices of cells: a term whose Hessian is a sum of matrices of a body's cells may hand these out,
-  // so that another term, which goes through the same cells, takes them along and each block of the Hessian
-  // is visited once. Its own `add_hessian` is then not asked for.
-
+  /// The term as a sum over the cells of a body, whose loop may serve other terms.
+  virtual const CellTerm* cell_term() const = 0;
+  /// Matrices of the cells of a body, if the Hessian is a sum of such. A cell term of that body takes them
+  /// along, so that each block of the Hessian is visited once; `add_hessian` is then not asked for.
   virtual const CellMatrices* cell_matrices() const = 0;
-  virtual bool takes(const CellMatrices& matrices) const = 0;
+
+  /// A stage's own term as one that keeps something of a shape that is known, such as normal forces.
+  virtual LaggedTerm* lagged_term() = 0;
+
+  /// The term as a source of friction.
+  virtual const FrictionSource* friction_source() const = 0;
 
   // ---- second order
 
@@ -155,31 +154,9 @@ class Energy {
   /// not outlive this term.
   virtual std::unique_ptr<Energy> begin_stage(const Stage& stage) const = 0;
 
-  /// The term as one with internal variables, if it has some: its stages begin with those of a state.
-  virtual const HistoryTerm* history_term() const = 0;
-
   /// Asked of a stage's own terms alone, before `max_step`, `difference` and `add_gradient` between x and
   /// x + p: what they all need (candidates for contact) may be found here, once.
   virtual void prepare(const VectorX& x, const VectorX& p, const Conditions& c) = 0;
-
-  // ---- lagging, of a stage's own term: it may keep something of a shape that is known, such as normal
-  // forces
-
-  /// The term as a source of friction, if it is one.
-  virtual const FrictionSource* friction_source() const = 0;
-  /// Shows the term all terms of the stage, in order: it may use what they have found.
-  virtual void see(std::span<const Energy* const> terms) = 0;
-  /// Forms what it keeps as it is at x, by which its energy becomes another one. Before the first time there
-  /// is none of it. @return whether that may have changed forces
-  virtual bool form_lag(const VectorX& x, const Conditions& c) = 0;
-  /// Takes as much of what was formed last as makes such rounds settle (Relaxation); the rest is what was in
-  /// use before. @return whether that changed anything
-  virtual bool relax_lag() = 0;
-  /// From now on its forces at any x are those with what it keeps formed there, its Hessian is that with what
-  /// was formed last; or again all as before.
-  virtual void couple_lag(bool is_coupled) = 0;
-  /// Says that the search goes from x to x + t p: what it keeps to form its Hessian on may follow.
-  virtual void follow(const VectorX& x, const VectorX& p, double t) = 0;
 
   // ---- driven motion
 
@@ -189,7 +166,7 @@ class Energy {
   virtual std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                             const Conditions& after) const = 0;
 
-  /// Smallest delay of the term's own motion when bodies are at x, at most `c.collider_delay` [s]: zero where
+  /// Smallest delay of the term's own motion when bodies are at x, at most `c.delay` [s]: zero where
   /// nothing blocks it.
   virtual double least_delay(const VectorX& x, const Conditions& c) const = 0;
 
@@ -228,31 +205,18 @@ class BasicEnergy : public Energy {
   void bind(const BlockPattern&) override {}
   double max_step(const VectorX&, const VectorX&, const Conditions&) const override { return 1; }
 
-  VectorX internal_values(const VectorX&) const override { return {}; }
-  Eigen::Index num_internal_values() const override { return 0; }
-  VectorX predicted_internal_values(const VectorX&, const VectorX&, double) const override { return {}; }
-  void add_hessian_at(const VectorX&, const VectorX& x, const Conditions& c, Projection projection,
-                      BlockMatrix& hessian, std::span<const CellMatrices* const> = {}) const override {
-    add_hessian(x, c, projection, hessian);
-  }
-
+  const HistoryTerm* history_term() const override { return nullptr; }
+  const CellTerm* cell_term() const override { return nullptr; }
   const CellMatrices* cell_matrices() const override { return nullptr; }
-  bool takes(const CellMatrices&) const override { return false; }
+  LaggedTerm* lagged_term() override { return nullptr; }
+  const FrictionSource* friction_source() const override { return nullptr; }
 
   bool add_second_order_forces(const VectorX&, const VectorX&, const Conditions&, VectorX&) const override {
     return false;
   }
 
   std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
-  const HistoryTerm* history_term() const override { return nullptr; }
   void prepare(const VectorX&, const VectorX&, const Conditions&) override {}
-
-  const FrictionSource* friction_source() const override { return nullptr; }
-  void see(std::span<const Energy* const>) override {}
-  bool form_lag(const VectorX&, const Conditions&) override { return false; }
-  bool relax_lag() override { return false; }
-  void couple_lag(bool) override {}
-  void follow(const VectorX&, const VectorX&, double) override {}
 
   std::optional<double> driven_work(const VectorX&, const Conditions&, const VectorX&,
                                     const Conditions&) const override {

@@ -190,7 +190,7 @@ std::vector<double> overstress_rows(const ElementBlocks& blocks, const std::vect
 }
 
 /// The incremental potential of one stage.
-class StageViscoelastic final : public BasicEnergy {
+class StageViscoelastic final : public BasicEnergy, public CellTerm {
  public:
   /// @param body     whose cells other terms refer to
   /// @param elastic  the same with the relaxing part of its energy scaled
@@ -234,6 +234,7 @@ class StageViscoelastic final : public BasicEnergy {
   double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
     return elastic_->max_step(x, p, c);
   }
+  const CellTerm* cell_term() const override { return this; }
   VectorX internal_values(const VectorX& x) const override { return elastic_->internal_values(x); }
   Eigen::Index num_internal_values() const override { return elastic_->num_internal_values(); }
   VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override {

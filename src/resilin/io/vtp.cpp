@@ -24,7 +24,7 @@ class VtpReader {
   explicit VtpReader(const MeshSource& source)
       : file_(source.name),
         tags_(xml_tags(source.name, source.bytes, "AppendedData")),
-        decoder_(source.name, source.bytes, root()),
+        decoder_(source.name, source.bytes, vtk_root(source.name, tags_, "PolyData")),
         mesh_(source.name, "VTP", "polygon") {
     std::string_view rest = source.bytes;
     while (!rest.empty() && (rest.back() == '\n' || rest.back() == '\r' || rest.back() == ' '))
@@ -45,16 +45,6 @@ class VtpReader {
   }
 
  private:
-  const XmlTag& root() const {
-    if (tags_.empty() || tags_[0].name != "VTKFile" || tags_[0].attribute("type") != "PolyData") {
-      throw InputError(file_, "<VTKFile type=\"PolyData\">",
-                       tags_.empty() ? "no XML"
-                                     : "<" + printable(tags_[0].name) + " type=\"" +
-                                           printable(tags_[0].attribute("type")) + "\">");
-    }
-    return tags_[0];
-  }
-
   void sort_tags() {
     std::vector<XmlTag>* section = nullptr;
     for (const XmlTag& tag : tags_) {

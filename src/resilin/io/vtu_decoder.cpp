@@ -55,6 +55,18 @@ std::string_view behind_first(std::string_view data, std::size_t count, bool is_
 
 }  // namespace
 
+const XmlTag& vtk_root(const std::string& file, const std::vector<XmlTag>& tags, const std::string& type) {
+  const auto shown = [](const std::string& name, const std::string& its_type) {
+    return "<" + name + " type=\"" + its_type + "\">";
+  };
+  if (tags.empty()) throw InputError(file, shown("VTKFile", type), "no XML");
+  const XmlTag& first = tags.front();
+  if (first.name != "VTKFile" || first.attribute("type") != type)
+    throw InputError(file, shown("VTKFile", type),
+                     shown(printable(first.name), printable(first.attribute("type"))));
+  return first;
+}
+
 VtuDecoder::VtuDecoder(std::string file, std::string_view bytes, const XmlTag& root)
     : file_(std::move(file)), bytes_(bytes) {
   const std::string order = root.attribute("byte_order", "LittleEndian");

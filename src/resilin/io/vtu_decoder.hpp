@@ -9,6 +9,9 @@
 
 namespace resilin {
 
+/// The VTKFile tag of a VTK XML file, which comes first and has this type.
+const XmlTag& vtk_root(const std::string& file, const std::vector<XmlTag>& tags, const std::string& type);
+
 /// Turns the DataArray elements of a VTK XML file into numbers.
 class VtuDecoder {
  public:

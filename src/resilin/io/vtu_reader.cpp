@@ -42,7 +42,7 @@ class VtuReader {
   VtuReader(const std::string& file, std::string_view bytes)
       : file_(file),
         tags_(xml_tags(file, bytes, "AppendedData")),
-        decoder_(file, bytes, root()),
+        decoder_(file, bytes, vtk_root(file, tags_, "UnstructuredGrid")),
         mesh_(file, "VTU", "cell") {
     sort_tags();
     refuse_more_behind_end(bytes);
@@ -75,16 +75,6 @@ class VtuReader {
   }
 
  private:
-  const XmlTag& root() const {
-    if (tags_.empty() || tags_[0].name != "VTKFile" || tags_[0].attribute("type") != "UnstructuredGrid") {
-      throw InputError(file_, "<VTKFile type=\"UnstructuredGrid\">",
-                       tags_.empty() ? "no XML"
-                                     : "<" + printable(tags_[0].name) + " type=\"" +
-                                           printable(tags_[0].attribute("type")) + "\">");
-    }
-    return tags_[0];
-  }
-
   void sort_tags() {
     std::vector<XmlTag>* section = nullptr;
     std::map<std::string, int> times;

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "resilin/core/share.hpp"
+#include "resilin/core/process_group.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -19,7 +19,7 @@ struct LinearOptions {
   bool is_definite = true;    ///< false: negative eigenvalues are solved with and counted, not refused
   int max_iterations = 2000;  ///< maximum iterations of an iterative solver
   std::shared_ptr<AnalysisCache> analyses = nullptr;  ///< shared with other solvers, by those that can
-  Share share = {};  ///< process group of the matrix: its entries are then this process's part of them
+  ProcessGroup share = {};  ///< process group of the matrix: its entries are then this process's part of them
 };
 
 /// Status of a factorisation or a solve.

@@ -58,9 +58,7 @@ struct LiveScene::Contents {
   /// Likewise the load factor: that of the start, unless a static run goes on along its path.
   double scene_load(double time) const { return goes_on ? scene_time(time) / path_time : state.load; }
   Conditions conditions() const {
-    return {.time = scene_time(state.time),
-            .load = scene_load(state.time),
-            .collider_delay = state.collider_delay};
+    return {.time = scene_time(state.time), .load = scene_load(state.time), .delay = state.collider_delay};
   }
   void step(const StepBudget& budget);
   NewtonReport minimize(Potential& potential, const Flight& guess, const VectorX& targets, double tolerance,

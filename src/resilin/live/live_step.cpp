@@ -98,7 +98,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   const double time = scene_time(state.time + dt);
   const Conditions conditions{.time = time,
                               .load = scene_load(state.time + dt),
-                              .collider_delay = state.collider_delay + time - scene_time(state.time)};
+                              .delay = state.collider_delay + time - scene_time(state.time)};
   VectorX targets = state.positions;
   place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
   const bool is_driven = targets != state.positions;
@@ -118,7 +118,7 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   state.positions = std::move(x);
   state.velocities = std::move(velocities);
   state.time += dt;
-  state.collider_delay = potential.conditions().collider_delay;
+  state.collider_delay = potential.conditions().delay;
   ++state.step;
   measure(newton_report);
   estimate_now_and_then();

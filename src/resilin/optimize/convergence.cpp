@@ -49,7 +49,7 @@ double Convergence::weighted_norm(const VectorX& gradient) const {
   return parts_->norms(gradient, is_fixed_, Unknowns::free).cwiseProduct(weights_).norm();
 }
 
-VectorX Convergence::weights_of(const Parts& coarse) const {
+VectorX Convergence::weights_of(const ConnectedComponents& coarse) const {
   if (coarse.count() == parts_->count()) return weights_;
   VectorX weights = VectorX::Constant(coarse.count(), std::numeric_limits<double>::infinity());
   for (Index node = 0; node < parts_->num_nodes(); ++node) {
@@ -80,7 +80,7 @@ Index Convergence::worst_unknown() const {
                                 part += {i, std::abs((*gradient_)[i])};
                             return part;
                           });
-  const Share& share = parts_->share();
+  const ProcessGroup& share = parts_->share();
   if (share.is_whole()) return worst;
   // One process knows it: nan is the largest, and the first process goes before others.
   constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
+#include "resilin/optimize/connected_components.hpp"
 #include "resilin/optimize/objective.hpp"
-#include "resilin/optimize/parts.hpp"
 
 namespace resilin {
 
@@ -25,8 +25,8 @@ class Convergence {
 
   /// @param tolerance    of each part's residual, relative to its force scale
   /// @param least_scale  the force scale of a part on which less acts [N]
-  Convergence(const Objective& objective, std::span<const std::uint8_t> is_fixed, const Parts& parts,
-              double tolerance, double least_scale = 0)
+  Convergence(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+              const ConnectedComponents& parts, double tolerance, double least_scale = 0)
       : objective_(&objective),
         is_fixed_(is_fixed),
         parts_(&parts),
@@ -62,14 +62,14 @@ class Convergence {
   double weighted_scale() const { return weighted_scale_; }
   /// The weights of a coarser division, `coarse`, for a system that couples some of these parts: what they
   /// are a part of counts by the one on which most acts.
-  VectorX weights_of(const Parts& coarse) const;
+  VectorX weights_of(const ConnectedComponents& coarse) const;
 
  private:
   void find_worst();
 
   const Objective* objective_;
   std::span<const std::uint8_t> is_fixed_;
-  const Parts* parts_;
+  const ConnectedComponents* parts_;
   double tolerance_, least_scale_;
 
   const VectorX* x_ = nullptr;

@@ -313,7 +313,7 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
 }
 
 Newton::Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
-               const Share& share)
+               const ProcessGroup& share)
     : hessian_(dim, foreseen(dim, std::move(pattern), *solver)),
       parts_(*hessian_.pattern, share),
       solver_(std::move(solver)) {}

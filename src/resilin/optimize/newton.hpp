@@ -75,7 +75,7 @@ class Newton {
  public:
   /// @param share  of the scene, to which the nodes of the pattern belong
   Newton(int dim, std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<LinearSolver> solver,
-         const Share& share = {});
+         const ProcessGroup& share = {});
 
   /// Minimises over the unknowns with is_fixed[i] == 0 from x, which is moved. The fixed ones are led to
   /// `targets[i]`, all at once where the domain allows, else in several steps.
@@ -106,22 +106,22 @@ class Newton {
   void release_solver() { solver_->release(); }
   std::string_view solver_name() const { return solver_->name(); }
   bool solver_is_direct() const { return solver_->is_direct(); }
-  const Parts& parts() const { return parts_; }
+  const ConnectedComponents& parts() const { return parts_; }
 
  private:
   struct Search;
   /// Measure of the parts in the matrix that the solver holds; empty for one part.
   struct Measure {
-    std::optional<Parts> parts;
+    std::optional<ConnectedComponents> parts;
     VectorX weights;
   };
 
-  void keep_measure(bool has_matrix, const Parts& parts, const VectorX& weights);
+  void keep_measure(bool has_matrix, const ConnectedComponents& parts, const VectorX& weights);
   /// Whether `hessian_` is definite. @param x  as `LinearSolver::analyze` takes it
   bool factorize_last(const VectorX& x);
 
   BlockMatrix hessian_;
-  Parts parts_;
+  ConnectedComponents parts_;
   std::unique_ptr<LinearSolver> solver_;
   std::optional<Measure> last_measure_;  ///< measure of the last matrix; none: the search has none
   bool has_near_factors_ = false;        ///< the factors are of a matrix that is near to the last one

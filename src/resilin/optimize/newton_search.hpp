@@ -46,9 +46,9 @@ struct Newton::Search {
   LedMotion* led = dynamic_cast<LedMotion*>(&objective);  ///< null: nothing moves by itself
 
   const Dependents* const dependents{objective.dependents()};
-  const Parts& parts{newton.parts_};
-  Parts coupled{newton.parts_};  ///< parts in contact are one, and stay one for this search
-  const Share share{parts.share()};
+  const ConnectedComponents& parts{newton.parts_};
+  ConnectedComponents coupled{newton.parts_};  ///< parts in contact are one, and stay one for this search
+  const ProcessGroup share{parts.share()};
   Convergence convergence{objective, is_fixed, parts, settings.tolerance};
   NewtonReport report{};
   ProjectionChooser chooser{settings.projection};
@@ -261,11 +261,11 @@ struct Newton::Search {
     if (coupled.count() > 1 && !newton.hessian_.extra.empty()) coupled = coupled.joined_by(newton.hessian_);
     if (coupled.count() == 1) return;
     coupled_weights = convergence.weights_of(coupled);
-    scale_parts(coupled, coupled_weights, newton.hessian_);
+    scale_components(coupled, coupled_weights, newton.hessian_);
     scaled_right_side = scaled(right_side);
   }
   VectorX scaled(VectorX forces) const {
-    if (coupled.count() > 1) scale_parts(coupled, coupled_weights, forces);
+    if (coupled.count() > 1) scale_components(coupled, coupled_weights, forces);
     return forces;
   }
 

@@ -2,7 +2,7 @@
 
 #include "resilin/core/projection.hpp"
 #include "resilin/linear/block_matrix.hpp"
-#include "resilin/optimize/parts.hpp"
+#include "resilin/optimize/connected_components.hpp"
 
 namespace resilin {
 
@@ -63,12 +63,13 @@ class Objective {
     return false;
   }
   /// The forces that must balance in each part [N]: a residual is small when it is small against this number.
-  virtual VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const = 0;
+  virtual VectorX force_scales(const VectorX& x, const VectorX& gradient,
+                               const ConnectedComponents& parts) const = 0;
   /// The same with momentum over a step, without forces that are but the rounding of numbers that cancel,
   /// without grazing touches and what answers them.
   /// @param roundings  of the gradient in each part [N]; empty: none are known, and reactions do not count
   virtual VectorX distinct_acting_scales(const VectorX& x, const VectorX& roundings,
-                                         const Parts& parts) const = 0;
+                                         const ConnectedComponents& parts) const = 0;
 };
 
 }  // namespace resilin

@@ -61,7 +61,7 @@ class PathFollower {
   struct Search;
 
   ExactStiffness stiffness_;
-  Parts parts_;
+  ConnectedComponents parts_;
 };
 
 }  // namespace resilin

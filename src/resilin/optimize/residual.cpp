@@ -11,7 +11,7 @@ void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values) 
 }
 
 VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> is_fixed,
-                      const Share& share) {
+                      const ProcessGroup& share) {
   constexpr std::size_t nodes_per_chunk = 2048;
   const int dim = hessian.dim;
   VectorX diagonal(hessian.num_unknowns());

@@ -13,6 +13,6 @@ void set_fixed_to_zero(std::span<const std::uint8_t> is_fixed, VectorX& values);
 
 /// |diagonal of the Hessian| [N/m] at the free unknowns, zero at the fixed ones.
 VectorX free_diagonal(const BlockMatrix& hessian, std::span<const std::uint8_t> is_fixed,
-                      const Share& share = {});
+                      const ProcessGroup& share = {});
 
 }  // namespace resilin

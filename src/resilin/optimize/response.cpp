@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-void Newton::keep_measure(bool has_matrix, const Parts& parts, const VectorX& weights) {
+void Newton::keep_measure(bool has_matrix, const ConnectedComponents& parts, const VectorX& weights) {
   has_near_factors_ = false;
   last_measure_.reset();
   if (!has_matrix) return;
@@ -34,7 +34,7 @@ void Newton::form_matrix(const Objective& objective, std::span<const std::uint8_
     solver_->begin_search();
     return keep_measure(factorize_last(x), parts_, VectorX::Ones(parts_.count()));
   }
-  if (last_measure_->parts) scale_parts(*last_measure_->parts, last_measure_->weights, hessian_);
+  if (last_measure_->parts) scale_components(*last_measure_->parts, last_measure_->weights, hessian_);
   has_near_factors_ = solver_->is_direct();
   if (!has_near_factors_ && !factorize_last(x)) last_measure_.reset();
 }
@@ -43,7 +43,7 @@ std::optional<VectorX> Newton::response(VectorX forces, std::span<const std::uin
                                         double tolerance) {
   if (!last_measure_) return std::nullopt;
   set_fixed_to_zero(is_fixed, forces);
-  if (last_measure_->parts) scale_parts(*last_measure_->parts, last_measure_->weights, forces);
+  if (last_measure_->parts) scale_components(*last_measure_->parts, last_measure_->weights, forces);
   const auto solve = [this](const VectorX& b, VectorX& way, double goal) {
     way.setZero(b.size());
     const LinearReport linear = solver_->solve(hessian_, b, way, goal);

@@ -11,8 +11,8 @@ namespace {
 constexpr int most_iterations = 30;
 
 /// J p by a central difference that moves no node farther than 1e-8 of the body's extent: far less than gaps.
-void multiply_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed, const Share& share,
-                      const VectorX& x, const VectorX& p, VectorX& product) {
+void multiply_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed,
+                      const ProcessGroup& share, const VectorX& x, const VectorX& p, VectorX& product) {
   const double extent = share.largest(x.maxCoeff()) - share.smallest(x.minCoeff());
   const double length = 1e-8 * extent / share.largest(p.cwiseAbs().maxCoeff());
   VectorX before;
@@ -40,7 +40,7 @@ struct Givens {
 }  // namespace
 
 TangentReport solve_with_true_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                                      const Share& share, const VectorX& x, const VectorX& b,
+                                      const ProcessGroup& share, const VectorX& x, const VectorX& b,
                                       const NearSolve& near, double tolerance, VectorX& p) {
   TangentReport report;
   p.setZero(b.size());

@@ -21,7 +21,7 @@ struct TangentReport {
 ///
 /// Cost of an iteration: two gradients and one solve with `near`.
 TangentReport solve_with_true_tangent(const Objective& objective, std::span<const std::uint8_t> is_fixed,
-                                      const Share& share, const VectorX& x, const VectorX& b,
+                                      const ProcessGroup& share, const VectorX& x, const VectorX& b,
                                       const NearSolve& near, double tolerance, VectorX& p);
 
 }  // namespace resilin

@@ -278,7 +278,7 @@ class PetscGamg final : public LinearSolver {
     share_.add_copies(x);
   }
 
-  Share share_;
+  ProcessGroup share_;
   int max_iterations_;
   MPI_Comm communicator_ = MPI_COMM_NULL;
   MergedPattern pattern_;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "resilin/core/share.hpp"
+#include "resilin/core/process_group.hpp"
 #include "resilin/world/scene_part.hpp"
 
 namespace resilin {

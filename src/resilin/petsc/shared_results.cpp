@@ -68,7 +68,7 @@ struct SharedResults::Contents {
       : folder(std::move(path)), scene(shared), evaluator(*shared.world), seconds_before(seconds) {}
 
   const World& world() const { return *scene.world; }
-  const Share& share() const { return scene.world->share; }
+  const ProcessGroup& share() const { return scene.world->share; }
   bool is_first() const { return share().is_first(); }
 
   std::filesystem::path folder;
@@ -229,7 +229,7 @@ SharedResults::Resumed SharedResults::resume(Simulation& simulation, Resume rule
   small.most_strained.positions.resize(0);
   const int last_step = own.frames.empty() ? -1 : own.frames.back()["step"].get<int>();
   told(resumed.has_checkpoint, has_vector, own.frames.size(), last_step, serialize(small));
-  const Share& share = own.share();
+  const ProcessGroup& share = own.share();
   const std::string bytes = share.exchange().tell(0, told.take());
   std::string image;
   ArchiveReader reader(bytes, path.string());

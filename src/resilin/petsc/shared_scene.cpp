@@ -79,7 +79,7 @@ void end_all_processes(int exit_code) {
   std::abort();
 }
 
-void on_first_process(const Share& share, const std::function<void()>& function) {
+void on_first_process(const ProcessGroup& share, const std::function<void()>& function) {
   std::string error;
   try {
     if (share.is_first()) function();
@@ -117,11 +117,11 @@ SharedScene share_scene(const std::function<Description()>& read) {
     part = deserialize_scene_part(receive_bytes(everyone, 0));
   }
   scene.exchange = std::make_shared<const MpiExchange>(everyone, *part);
-  scene.world = std::make_unique<World>(std::move(*part), Share(scene.exchange));
+  scene.world = std::make_unique<World>(std::move(*part), ProcessGroup(scene.exchange));
   return scene;
 }
 
-VectorX gathered(const Share& share, const VectorX& values, Index num_nodes) {
+VectorX gathered(const ProcessGroup& share, const VectorX& values, Index num_nodes) {
   ArchiveWriter writer;
   std::vector<Index> numbers;
   std::vector<double> own;
@@ -145,7 +145,7 @@ VectorX gathered(const Share& share, const VectorX& values, Index num_nodes) {
   return whole;
 }
 
-VectorX scattered(const Share& share, const VectorX& whole) {
+VectorX scattered(const ProcessGroup& share, const VectorX& whole) {
   const std::span<const Index> own = share.exchange().numbers();
   ArchiveWriter writer;
   writer(std::vector<Index>(own.begin(), own.end()));

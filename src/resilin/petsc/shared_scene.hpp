@@ -25,7 +25,7 @@ class AgreedError : public std::runtime_error {
 };
 
 /// Calls a function on the first process; an InputError there becomes an AgreedError on all.
-void on_first_process(const Share& share, const std::function<void()>& function);
+void on_first_process(const ProcessGroup& share, const std::function<void()>& function);
 /// Calls a function on all processes, where an InputError of one is that of all.
 void on_all_processes(const std::function<void()>& function);
 
@@ -52,8 +52,8 @@ struct SharedScene {
 SharedScene share_scene(const std::function<Description()>& read);
 
 /// Numbers by node, from all processes in the order of the whole scene, on the first; elsewhere empty.
-VectorX gathered(const Share& share, const VectorX& values, Index num_nodes);
+VectorX gathered(const ProcessGroup& share, const VectorX& values, Index num_nodes);
 /// Back: `whole` matters on the first process alone.
-VectorX scattered(const Share& share, const VectorX& whole);
+VectorX scattered(const ProcessGroup& share, const VectorX& whole);
 
 }  // namespace resilin

@@ -198,11 +198,8 @@ std::vector<MeasuredNumber> collider_force_at(Derivatives& run, const std::strin
   Potential potential = Potential::at(world, c, x);
   potential.prepare(x, VectorX::Zero(x.size()));
   const Energy& term = *potential.terms()[number];
-  const Eigen::Matrix3d shift = world.terms[number]
-                                    ->friction_source()
-                                    ->motion_of_its_own()
-                                    ->slopes_by("place", c.time - c.collider_delay)
-                                    .shift;
+  const Eigen::Matrix3d shift =
+      world.terms[number]->friction_source()->motion_of_its_own()->slopes_by("place", c.time - c.delay).shift;
   const auto force =
       std::ranges::find(of_frame.reactions.begin() + static_cast<std::ptrdiff_t>(world.supports.size()),
                         of_frame.reactions.end(), name, &std::pair<std::string, Vector3>::first);

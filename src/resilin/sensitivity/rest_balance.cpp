@@ -12,7 +12,7 @@ namespace {
 /// Loads and the forces of contact, both as raised to this part.
 Conditions raised(const World& world, double part) {
   Conditions conditions = world.at_load(part);
-  conditions.contact_weight = part;
+  conditions.weight = part;
   return conditions;
 }
 
@@ -52,7 +52,7 @@ void RestBalance::form() {
   const bool is_held = std::ranges::none_of(is_free_, [](bool is_free) { return is_free; });
   if (!is_held || potential_.gradient_of(EnergyCategory::contact, x_).isZero(0)) return;
   Conditions conditions = conditions_;
-  conditions.contact_weight = 0;
+  conditions.weight = 0;
   untouched_ = std::make_unique<Potential>(Potential::at(world_, conditions, x_));
   untouched_->prepare(x_, VectorX::Zero(x_.size()));
   untouched_tangent_ = std::make_unique<Tangent>(world_, world_.solver.kind);

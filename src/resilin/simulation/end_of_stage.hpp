@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "resilin/energy/energy.hpp"
+#include "resilin/energy/lagged_term.hpp"
 
 namespace resilin {
 
@@ -16,7 +17,7 @@ namespace resilin {
 /// (docs/theory/integrators.md, I.4).
 ///
 /// With the end y(x) and the weight w, the term is w E(y(x)): each derivative by x has one more factor y'.
-class EndOfStage final : public Energy {
+class EndOfStage final : public Energy, public LaggedTerm {
  public:
   /// @param term  kept by reference, unless `own` is the same
   EndOfStage(const Energy& term, std::unique_ptr<Energy> own, const Stage& stage)
@@ -67,52 +68,34 @@ class EndOfStage final : public Energy {
     VectorX room;
     return term_.max_step(end_of(x, room), slope_ * p, at_end(c, weight_));
   }
-  VectorX internal_values(const VectorX& x) const override {
-    VectorX room;
-    return term_.internal_values(end_of(x, room));
-  }
-  Eigen::Index num_internal_values() const override { return term_.num_internal_values(); }
-  VectorX predicted_internal_values(const VectorX& x, const VectorX& p, double t) const override {
-    VectorX room;
-    return term_.predicted_internal_values(end_of(x, room), slope_ * p, t);
-  }
-  void add_hessian_at(const VectorX& internal, const VectorX& x, const Conditions& c, Projection projection,
-                      BlockMatrix& hessian, std::span<const CellMatrices* const> along = {}) const override {
-    VectorX room;
-    term_.add_hessian_at(internal, end_of(x, room), at_end(c, weight_ * slope_ * slope_), projection, hessian,
-                         along);
-  }
+  /// The stage has begun.
+  std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
+  const HistoryTerm* history_term() const override { return nullptr; }
   /// None: matrices that a body adds would not be those of the end.
+  const CellTerm* cell_term() const override { return nullptr; }
   const CellMatrices* cell_matrices() const override { return nullptr; }
-  bool takes(const CellMatrices&) const override { return false; }
+  LaggedTerm* lagged_term() override { return own_lag() == nullptr ? nullptr : this; }
+  const FrictionSource* friction_source() const override { return term_.friction_source(); }
   /// The Hessian by x of the term brings the step by x that the end needs.
   bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
                                VectorX& forces) const override {
     VectorX room;
     return term_.add_second_order_forces(end_of(x, room), slope_ * p, at_end(c, weight_ * slope_), forces);
   }
-  /// The stage has begun.
-  std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
-  const HistoryTerm* history_term() const override { return nullptr; }
   void prepare(const VectorX& x, const VectorX& p, const Conditions& c) override {
     VectorX room;
     if (own_) own_->prepare(end_of(x, room), slope_ * p, at_end(c, weight_));
   }
-  const FrictionSource* friction_source() const override { return term_.friction_source(); }
-  void see(std::span<const Energy* const> terms) override {
-    if (own_) own_->see(terms);
-  }
+  void see(std::span<const Energy* const> terms) override { own_lag()->see(terms); }
   bool form_lag(const VectorX& x, const Conditions& c) override {
     VectorX room;
-    return own_ && own_->form_lag(end_of(x, room), at_end(c, weight_));
+    return own_lag()->form_lag(end_of(x, room), at_end(c, weight_));
   }
-  bool relax_lag() override { return own_ && own_->relax_lag(); }
-  void couple_lag(bool is_coupled) override {
-    if (own_) own_->couple_lag(is_coupled);
-  }
+  bool relax_lag() override { return own_lag()->relax_lag(); }
+  void couple_lag(bool is_coupled) override { own_lag()->couple_lag(is_coupled); }
   void follow(const VectorX& x, const VectorX& p, double t) override {
     VectorX room;
-    if (own_) own_->follow(end_of(x, room), slope_ * p, t);
+    own_lag()->follow(end_of(x, room), slope_ * p, t);
   }
   /// Those of the term. What lags is formed at the end, twice as far as x where x is a mean.
   std::vector<EnergyParameter> parameters() const override { return term_.parameters(); }
@@ -154,6 +137,7 @@ class EndOfStage final : public Energy {
   }
 
  private:
+  LaggedTerm* own_lag() { return own_ ? own_->lagged_term() : nullptr; }
   /// The place of the end; `room` holds it where it is not x.
   const VectorX& end_of(const VectorX& x, VectorX& room) const {
     if (!is_mean_) return x;
@@ -162,7 +146,7 @@ class EndOfStage final : public Energy {
   }
   Conditions at_end(Conditions c, double weight) const {
     c.time += time_to_end_;
-    c.contact_weight *= weight;
+    c.weight *= weight;
     return c;
   }
 

@@ -92,7 +92,7 @@ std::string residual_text(const NewtonReport& report) {
 /// it.
 std::string place_of_worst(const World& world, const NewtonReport& report) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const Share& share = world.share;
+  const ProcessGroup& share = world.share;
   const double rank = share.exchange().rank();
   const double teller = share.smallest(report.worst_unknown >= 0 ? rank : infinity);
   if (!(teller < infinity)) return {};

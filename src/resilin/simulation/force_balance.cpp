@@ -83,7 +83,7 @@ class EnergyRate {
     before_ = share_.sum(body_.domains.difference(x_, x_ - step));
   }
 
-  const Share& share_;
+  const ProcessGroup& share_;
   const Body& body_;
   const Conditions& conditions_;
   const VectorX& x_;
@@ -254,7 +254,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   return {};
 }
 
-VectorX rounding_of_forces(const World& world, const Potential& potential, const Parts& parts,
+VectorX rounding_of_forces(const World& world, const Potential& potential, const ConnectedComponents& parts,
                            const VectorX& x, const VectorX& gradient) {
   BlockMatrix hessian(world.dimension, world.pattern);
   potential.hessian(x, Projection::none, hessian);
@@ -266,7 +266,7 @@ VectorX rounding_of_forces(const World& world, const Potential& potential, const
 }
 
 void drop_rounding(const World& world, const Potential& potential, const VectorX& x, VectorX& gradient) {
-  const Parts parts(*world.pattern, world.share);
+  const ConnectedComponents parts(*world.pattern, world.share);
   const VectorX roundings =
       parts.norms(rounding_of_forces(world, potential, parts, x, gradient), world.is_fixed, Unknowns::all);
   const VectorX forces = parts.norms(gradient, world.is_fixed, Unknowns::fixed);
@@ -283,7 +283,7 @@ std::vector<std::string> describe_lost_digits(const World& world, const State& s
   potential.form_lag(x);
   VectorX gradient;
   potential.gradient(x, gradient);
-  const Parts parts(*world.pattern, world.share);
+  const ConnectedComponents parts(*world.pattern, world.share);
   const VectorX scales = potential.distinct_acting_scales(x, VectorX(), parts);
   const double notable = std::max(notable_balance_error, 10 * world.newton.tolerance);
   std::optional<VectorX> rounding;  // asked for where something is missing: it costs a matrix

@@ -58,7 +58,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
 
 /// Bound of the rounding of sums and of positions for each force in an equilibrium (docs/theory/stopping.md,
 /// S.2) [N].
-VectorX rounding_of_forces(const World& world, const Potential& potential, const Parts& parts,
+VectorX rounding_of_forces(const World& world, const Potential& potential, const ConnectedComponents& parts,
                            const VectorX& x, const VectorX& gradient);
 
 /// Sets forces to zero in the parts whose supports exert less than rounding lets a search balance.

@@ -85,7 +85,7 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
   if (is_linear(world) || state.step == 0 || world.keeps_history()) return std::nullopt;
   const auto find = [&](const Equilibrium& from, double at) -> std::optional<Equilibrium> {
     Conditions conditions = world.at_load(at);
-    conditions.collider_delay = conditions.time - world.at_load(from.load).time;
+    conditions.delay = conditions.time - world.at_load(from.load).time;
     Potential potential = Potential::in_stage(
         world, state, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
     VectorX targets = from.positions;
@@ -96,7 +96,7 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
         solve_stage(potential, world.is_fixed, targets, {}, newton_settings(world),
                     {.friction_rounds = world.friction_iterations}, newton, found.positions, observer);
     add_counts(searched, report.newton);
-    if (!report.newton.converged() || potential.conditions().collider_delay > 0) return std::nullopt;
+    if (!report.newton.converged() || potential.conditions().delay > 0) return std::nullopt;
     return found;
   };
   return find_jump(world, {.load = state.load, .positions = state.positions}, {.load = load, .positions = x},
@@ -165,7 +165,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   while (true) {
     const double load = next_load(world, state);
     Conditions conditions = world.at_load(load);
-    conditions.collider_delay = conditions.time - world.at_load(state.load).time;
+    conditions.delay = conditions.time - world.at_load(state.load).time;
     const double load_time = world.end_time * (load - state.load);
     Potential potential =
         Potential::in_stage(world, state, conditions, static_stage(state.positions, load_time));
@@ -195,7 +195,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       imbalance = searched.friction_mismatch > largest_balance_error
                       ? describe_unsettled_friction(searched)
                       : describe_imbalance(world, potential, x, gradient, search, x - world.rest_positions);
-    const double delay = potential.conditions().collider_delay;
+    const double delay = potential.conditions().delay;
     if (search.converged() && imbalance.empty() && delay == 0) {
       const std::optional<Jump> jump = jump_of_step(world, newton, state, x, load, observer, report.newton);
       if (jump && jump->is_avoidable && 0.5 * length >= smallest_share_of_path / world.load_steps) {

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "resilin/contact/friction_contact.hpp"
+#include "resilin/energy/cell_term.hpp"
 #include "resilin/energy/history_term.hpp"
+#include "resilin/energy/lagged_term.hpp"
 #include "resilin/linear/dependents.hpp"
 #include "resilin/mesh/facet.hpp"
 #include "resilin/simulation/end_of_stage.hpp"
@@ -56,7 +58,7 @@ Potential Potential::at(const World& world, const Conditions& conditions, const 
 
 Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
                      std::span<const std::uint8_t> is_fixed, const Conditions& conditions, const Stage& stage,
-                     Share share, VectorX history, const Dependents* dependents)
+                     ProcessGroup share, VectorX history, const Dependents* dependents)
     : share_(std::move(share)),
       is_fixed_(is_fixed),
       dependents_(dependents),
@@ -82,14 +84,18 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
       own = std::make_unique<EndOfStage>(inner, std::move(own), stage);
     }
     terms_.push_back(own ? own.get() : term.get());
-    if (own) own_.push_back(std::move(own));
+    if (!own) continue;
+    if (LaggedTerm* lagged = own->lagged_term()) lagged_terms_.push_back(lagged);
+    own_.push_back(std::move(own));
   }
-  for (const auto& term : own_) term->see(terms_);
+  for (LaggedTerm* term : lagged_terms_) term->see(terms_);
   along_.resize(terms_.size());
   for (const Energy* term : terms_) {
     const CellMatrices* matrices = term->cell_matrices();
-    const auto taker = std::ranges::find_if(
-        terms_, [matrices](const Energy* other) { return matrices != nullptr && other->takes(*matrices); });
+    const auto taker = std::ranges::find_if(terms_, [matrices](const Energy* other) {
+      const CellTerm* cells = other->cell_term();
+      return matrices != nullptr && cells != nullptr && cells->takes(*matrices);
+    });
     is_taken_.push_back(taker != terms_.end());
     if (is_taken_.back()) along_[static_cast<std::size_t>(taker - terms_.begin())].push_back(matrices);
   }
@@ -97,22 +103,22 @@ Potential::Potential(std::span<const std::shared_ptr<const Energy>> terms,
 
 bool Potential::form_lag(const VectorX& x) {
   bool is_changed = false;
-  for (const auto& term : own_) is_changed |= term->form_lag(x, conditions_);
+  for (LaggedTerm* term : lagged_terms_) is_changed |= term->form_lag(x, conditions_);
   return is_changed;
 }
 
 bool Potential::relax_lag() {
   bool is_changed = false;
-  for (const auto& term : own_) is_changed |= term->relax_lag();
+  for (LaggedTerm* term : lagged_terms_) is_changed |= term->relax_lag();
   return is_changed;
 }
 
 void Potential::couple_lag(bool is_coupled) {
-  for (const auto& term : own_) term->couple_lag(is_coupled);
+  for (LaggedTerm* term : lagged_terms_) term->couple_lag(is_coupled);
 }
 
 void Potential::follow(const VectorX& x, const VectorX& p, double t) {
-  for (const auto& term : own_) term->follow(x, p, t);
+  for (LaggedTerm* term : lagged_terms_) term->follow(x, p, t);
 }
 
 void Potential::prepare(const VectorX& x, const VectorX& p) {
@@ -146,8 +152,17 @@ void Potential::gradient_magnitude(const VectorX& x, VectorX& magnitude) const {
 }
 
 void Potential::hessian(const VectorX& x, Projection projection, BlockMatrix& hessian) const {
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    if (!is_taken_[i]) terms_[i]->add_hessian_at({}, x, conditions_, projection, hessian, along_[i]);
+  for (std::size_t i = 0; i < terms_.size(); ++i) add_hessian_of(i, {}, x, projection, hessian);
+}
+
+void Potential::add_hessian_of(std::size_t i, const VectorX& internal, const VectorX& x,
+                               Projection projection, BlockMatrix& hessian) const {
+  if (is_taken_[i]) return;
+  if (const CellTerm* cells = terms_[i]->cell_term()) {
+    cells->add_hessian_at(internal, x, conditions_, projection, hessian, along_[i]);
+  } else {
+    terms_[i]->add_hessian(x, conditions_, projection, hessian);
+  }
 }
 
 namespace {
@@ -162,13 +177,15 @@ void append(VectorX& all, const VectorX& more) {
 
 VectorX Potential::internal_values(const VectorX& x) const {
   VectorX all;
-  for (const Energy* term : terms_) append(all, term->internal_values(x));
+  for (const Energy* term : terms_)
+    if (const CellTerm* cells = term->cell_term()) append(all, cells->internal_values(x));
   return all;
 }
 
 VectorX Potential::predicted_internal_values(const VectorX& x, const VectorX& p, double t) const {
   VectorX all;
-  for (const Energy* term : terms_) append(all, term->predicted_internal_values(x, p, t));
+  for (const Energy* term : terms_)
+    if (const CellTerm* cells = term->cell_term()) append(all, cells->predicted_internal_values(x, p, t));
   return all;
 }
 
@@ -176,10 +193,9 @@ void Potential::hessian_at(const VectorX& internal, const VectorX& x, Projection
                            BlockMatrix& hessian) const {
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    const Eigen::Index count = terms_[i]->num_internal_values();
-    if (!is_taken_[i])
-      terms_[i]->add_hessian_at(internal.segment(first, count), x, conditions_, projection, hessian,
-                                along_[i]);
+    const CellTerm* cells = terms_[i]->cell_term();
+    const Eigen::Index count = cells == nullptr ? 0 : cells->num_internal_values();
+    add_hessian_of(i, internal.segment(first, count), x, projection, hessian);
     first += count;
   }
 }
@@ -231,7 +247,8 @@ bool Potential::add_second_order_forces(const VectorX& x, const VectorX& p, Vect
   return are_any;
 }
 
-VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const {
+VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient,
+                                const ConnectedComponents& parts) const {
   VectorX scales = parts.norms(gradient, is_fixed_, Unknowns::fixed);
   VectorX force;
   for (const Energy* term : terms_) {
@@ -245,7 +262,7 @@ VectorX Potential::force_scales(const VectorX& x, const VectorX& gradient, const
 }
 
 VectorX Potential::distinct_acting_scales(const VectorX& x, const VectorX& known_roundings,
-                                          const Parts& parts) const {
+                                          const ConnectedComponents& parts) const {
   struct Acting {
     VectorX sizes, roundings;
     bool may_answer;  // a touch, or is one
@@ -372,12 +389,12 @@ bool Potential::is_in_domain(const VectorX& x) const {
 // Turning or swinging colliders may be clear of bodies now and later, but not between: all are asked again
 // about the time that they have agreed on.
 double Potential::least_delay(const VectorX& x) const {
-  const double behind = conditions_.collider_delay;
+  const double behind = conditions_.delay;
   double delay = 0;
   for (int round = 0; round < most_rounds_of_delay; ++round) {
     Conditions wanted = conditions_;
     wanted.time -= delay;
-    wanted.collider_delay -= delay;
+    wanted.delay -= delay;
     double more = 0;
     for (const Energy* term : terms_) more = std::max(more, term->least_delay(x, wanted));
     more = share_.largest(more);
@@ -391,9 +408,9 @@ double Potential::least_delay(const VectorX& x) const {
 void Potential::lead_colliders(int dim, const VectorX& x) {
   dim_ = dim;
   Conditions after = conditions_;
-  after.collider_delay = 0;
+  after.delay = 0;
   const bool is_felt = std::ranges::any_of(terms_, [&](const Energy* term) {
-    return own_way(*term, conditions_.collider_delay) && term->value(x, after) != term->value(x, conditions_);
+    return own_way(*term, conditions_.delay) && term->value(x, after) != term->value(x, conditions_);
   });
   leads_colliders_ = share_.any(is_felt) || least_delay(x) > 0;
   if (!leads_colliders_) conditions_ = after;
@@ -404,7 +421,7 @@ std::optional<RigidPlace> Potential::own_way(const Energy& term, double way) con
   const ColliderMotion* motion = source == nullptr ? nullptr : source->motion_of_its_own();
   if (motion == nullptr || motion->keeps_place()) return std::nullopt;
   // The very places, rounding and all, that the term will have.
-  const double end = conditions_.time + time_to_end_, delay = conditions_.collider_delay;
+  const double end = conditions_.time + time_to_end_, delay = conditions_.delay;
   const RigidPlace from = motion->place(end - delay);
   RigidPlace own = motion->place(end - (delay - way));
   if (own.turn == from.turn) return RigidPlace{.turn = std::nullopt, .shift = own.shift - from.shift};

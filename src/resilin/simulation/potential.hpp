@@ -22,7 +22,7 @@ class Potential final : public Objective, public LedMotion {
   /// @param history          State::history at the start of the step; empty: the reference configuration's
   /// @param dependents       unknowns that follow from others, fixed ones among `is_fixed`; null: none
   Potential(std::span<const std::shared_ptr<const Energy>> terms, std::span<const std::uint8_t> is_fixed,
-            const Conditions& conditions, const Stage& stage, Share share = {}, VectorX history = {},
+            const Conditions& conditions, const Stage& stage, ProcessGroup share = {}, VectorX history = {},
             const Dependents* dependents = nullptr);
 
   /// The potential of a world in a state as it is, internal variables frozen.
@@ -68,9 +68,10 @@ class Potential final : public Objective, public LedMotion {
   bool add_second_order_forces(const VectorX& x, const VectorX& p, VectorX& forces) const override;
 
   /// The largest of: each term but the elastic ones, the reactions; each as the norm over a part [N].
-  VectorX force_scales(const VectorX& x, const VectorX& gradient, const Parts& parts) const override;
+  VectorX force_scales(const VectorX& x, const VectorX& gradient,
+                       const ConnectedComponents& parts) const override;
   VectorX distinct_acting_scales(const VectorX& x, const VectorX& roundings,
-                                 const Parts& parts) const override;
+                                 const ConnectedComponents& parts) const override;
 
   /// In order, those of the stage in place of those that they were made of.
   std::span<const Energy* const> terms() const { return terms_; }
@@ -95,16 +96,16 @@ class Potential final : public Objective, public LedMotion {
   /// The energy at x is finite.
   bool is_in_domain(const VectorX& x) const override;
   /// How far behind terms that move by themselves have to be when bodies stand at x, at most
-  /// `conditions().collider_delay` [s].
+  /// `conditions().delay` [s].
   double least_delay(const VectorX& x) const;
 
-  // ---- colliders that move by themselves, `conditions().collider_delay` behind
+  // ---- colliders that move by themselves, `conditions().delay` behind
 
   /// They are where they should be at once, if on their way none meets or leaves anything while bodies stand
   /// at x; else a search leads them there, as it does supports.
   void lead_colliders(int dim, const VectorX& x);
-  double way_left() const override { return leads_colliders_ ? conditions_.collider_delay : 0; }
-  void set_way_left(double way) override { conditions_.collider_delay = way; }
+  double way_left() const override { return leads_colliders_ ? conditions_.delay : 0; }
+  void set_way_left(double way) override { conditions_.delay = way; }
   void leave_way() override { leads_colliders_ = false; }
   bool has_room(const VectorX& x) const override;
   void prepare_along(const VectorX& x, const VectorX& p, double way) override;
@@ -115,6 +116,9 @@ class Potential final : public Objective, public LedMotion {
                 VectorX& forces) const override;
 
  private:
+  /// Adds the Hessian of one term, and the matrices that it takes along.
+  void add_hessian_of(std::size_t i, const VectorX& internal, const VectorX& x, Projection projection,
+                      BlockMatrix& hessian) const;
   /// From the place of a term's own motion to the one that is `way` further; none for a term that stays.
   std::optional<RigidPlace> own_way(const Energy& term, double way) const;
   /// The step p as a collider sees it that goes on by a rigid motion meanwhile.
@@ -122,7 +126,7 @@ class Potential final : public Objective, public LedMotion {
   /// Where the stage ends: there colliders meet bodies.
   VectorX end_of(const VectorX& x) const;
 
-  Share share_;
+  ProcessGroup share_;
   std::span<const std::uint8_t> is_fixed_;
   const Dependents* dependents_;
   Conditions conditions_;
@@ -131,6 +135,7 @@ class Potential final : public Objective, public LedMotion {
   int dim_ = 0;                               ///< dimension; known where it does
   VectorX base_positions_;                    ///< base positions of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage
+  std::vector<LaggedTerm*> lagged_terms_;     ///< those of them that lag
   std::vector<const Energy*> terms_;          ///< in order, `own_` in place of those they were made of
   std::vector<const HistoryTerm*>
       history_terms_;  ///< by term: what has made it; null for one without history

@@ -10,13 +10,13 @@
 namespace resilin {
 namespace {
 
-VectorX summed(const Share& share, VectorX values) {
+VectorX summed(const ProcessGroup& share, VectorX values) {
   share.sum(std::span(values.data(), static_cast<std::size_t>(values.size())));
   return values;
 }
 
 /// So that all processes go on from the same bits.
-VectorX of_first_process(const Share& share, VectorX values) {
+VectorX of_first_process(const ProcessGroup& share, VectorX values) {
   if (!share.is_first()) values.setZero();
   return summed(share, std::move(values));
 }

@@ -81,7 +81,7 @@ std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton,
                                              NewtonReport& counts) {
   if (!world.friction || !world.share.is_whole() || world.constraints) return std::nullopt;
   Conditions conditions = world.at_load(load);
-  conditions.collider_delay = conditions.time - world.at_load(state.load).time;
+  conditions.delay = conditions.time - world.at_load(state.load).time;
   const Stage stage = static_stage(state.positions, world.end_time * (load - state.load));
   const std::vector<Held> all =
       bodies_to_hold(world, Potential::in_stage(world, state, conditions, stage), state.positions);
@@ -101,7 +101,7 @@ std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton,
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);
     add_counts(counts, found.newton);
     if (!found.newton.converged() || found.friction_mismatch > largest_balance_error ||
-        potential.conditions().collider_delay > 0)
+        potential.conditions().delay > 0)
       return std::nullopt;
     bool is_steady = move > 0, is_any_missing = false;
     FrictionHold hold;

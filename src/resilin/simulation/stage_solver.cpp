@@ -38,7 +38,7 @@ bool fit_to_flight(Potential& potential, std::span<const std::uint8_t> is_fixed,
   if (flight.world == nullptr || potential.dependents() != nullptr) return false;
   const VectorX held = x;
   VectorX fitted = rigidly_fitted(*flight.world, is_fixed, shape, flight.places, x);
-  const Share& share = flight.world->share;
+  const ProcessGroup& share = flight.world->share;
   if (share.all(fitted == x)) return false;  // no body is free
   if (choose_lower_start(potential, is_fixed, held, fitted, x)) return true;
   // Contact of one body is no reason against the flight of others.
@@ -99,7 +99,7 @@ StageReport solve_stage(Potential& potential, std::span<const std::uint8_t> is_f
       held[relation.unknown] = targets[relation.unknown];
   StageReport report;
   potential.form_lag(x);
-  if (potential.conditions().collider_delay > 0)
+  if (potential.conditions().delay > 0)
     potential.lead_colliders(static_cast<int>(x.size() / newton.parts().num_nodes()), x);
   if (may_fly) report.flew = choose_lower_start(potential, is_fixed, held, flight.places, x);
   NewtonSettings allowed = settings;

@@ -43,7 +43,7 @@ struct StageReport {
 /// are moved as rigid ones to where they fly, as found or in their shape at x, where that lowers the energy:
 /// so they keep their momenta, however little of their deformation was found. Where bodies are in the way of
 /// what moves by itself (colliders), the search leads it on and them with it:
-/// `potential.conditions().collider_delay` is how far it is behind at first, and becomes how far it still is.
+/// `potential.conditions().delay` is how far it is behind at first, and becomes how far it still is.
 ///
 /// The normal forces of friction are at first those at x; then they are formed where a search ended, and it
 /// goes on from there, until that leaves the forces in balance. The potential keeps those of the place found.

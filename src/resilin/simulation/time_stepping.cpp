@@ -87,7 +87,7 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
         targets[relation.unknown] = constants.positions[relation.unknown];
     Conditions conditions = conditions_after(state, stage.time_fraction * time_step);
     const double end = conditions.time + stage.time_to_end();
-    conditions.collider_delay = end - colliders_reached;
+    conditions.delay = end - colliders_reached;
     Potential potential = Potential::in_stage(world, state, conditions, stage);
     VectorX x = before;
     const Flight flying = flight(world, world.is_fixed, potential, stage, world.gravity, x);
@@ -132,15 +132,15 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.reason = describe_unsettled_friction(searched);
       attempt.is_usable = false;
     }
-    if (conditions.collider_delay > 0) {
+    if (conditions.delay > 0) {
       attempt.is_usable &= !search.converged();  // else a shorter step may let it pass
       attempt.may_be_turned |= search.converged();
       report.status = StepReport::Status::not_converged;
-      report.reason = "bodies block a moving collider, which is " + format_short(conditions.collider_delay) +
+      report.reason = "bodies block a moving collider, which is " + format_short(conditions.delay) +
                       " s behind its motion" + (report.reason.empty() ? "" : "; " + report.reason);
     }
-    colliders_reached = end - conditions.collider_delay;
-    attempt.collider_delay = conditions.collider_delay;
+    colliders_reached = end - conditions.delay;
+    attempt.collider_delay = conditions.delay;
     attempt.friction_work += potential.heat_of_friction(before, x, stage.length());
     const VectorX contact = potential.impulses(x);
     Motion found = stage.motion(std::move(x));

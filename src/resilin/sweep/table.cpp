@@ -5,28 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "resilin/core/csv_cell.hpp"
+
 namespace resilin {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string quoted_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos && text.find_first_not_of(' ') == 0 &&
-      text.back() != ' ')
-    return text;
-  std::string cell(1, '"');
-  for (const char c : text) {
-    cell += c;
-    if (c == '"') cell += c;
-  }
-  return cell + '"';
-}
-
 std::string cell(const Json& value) {
   if (value.is_null()) return "";
-  if (!value.is_string()) return value.is_structured() ? quoted_cell(value.dump()) : value.dump();
-  const auto& text = value.get_ref<const std::string&>();
-  return text.empty() ? "" : quoted_cell(text);
+  if (!value.is_string()) return value.is_structured() ? csv_cell(value.dump()) : value.dump();
+  return csv_cell(value.get_ref<const std::string&>());
 }
 
 Json part(const Json& row, const char* group, const std::string& name) {

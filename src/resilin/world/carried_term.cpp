@@ -7,8 +7,9 @@
 namespace resilin {
 namespace {
 
-/// A term of points that nodes carry: E(W x), with the weights W of the points.
-class CarriedTerm final : public BasicEnergy {
+/// A term of points that nodes carry: E(W x), with the weights W of the points. It serves loads, which have
+/// no stages of their own and no history.
+class CarriedTerm final : public Energy {
  public:
   /// @param used  the points that the term depends on
   CarriedTerm(int dim, std::shared_ptr<Energy> term, CarriedPoints points, std::vector<Index> used)
@@ -68,9 +69,34 @@ class CarriedTerm final : public BasicEnergy {
       }
     }
   }
+  void add_pattern(BlockPatternBuilder&) const override {}
+  void bind(const BlockPattern&) override {}
+  double max_step(const VectorX& x, const VectorX& p, const Conditions& c) const override {
+    return term_->max_step(points(x), points(p), c);
+  }
+  const HistoryTerm* history_term() const override { return nullptr; }
+  const CellTerm* cell_term() const override { return nullptr; }
+  const CellMatrices* cell_matrices() const override { return nullptr; }
+  LaggedTerm* lagged_term() override { return nullptr; }
+  const FrictionSource* friction_source() const override { return nullptr; }
+  bool add_second_order_forces(const VectorX& x, const VectorX& p, const Conditions& c,
+                               VectorX& forces) const override {
+    VectorX of_points = no_values();
+    if (!term_->add_second_order_forces(points(x), points(p), c, of_points)) return false;
+    add_to_nodes(of_points, forces);
+    return true;
+  }
+  std::unique_ptr<Energy> begin_stage(const Stage&) const override { return nullptr; }
+  void prepare(const VectorX&, const VectorX&, const Conditions&) override {}
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override {
     return term_->driven_work(points(from), before, points(to), after);
+  }
+  double least_delay(const VectorX& x, const Conditions& c) const override {
+    return term_->least_delay(points(x), c);
+  }
+  double dissipation(const VectorX& from, const VectorX& to, double duration) const override {
+    return term_->dissipation(points(from), points(to), duration);
   }
   std::optional<Reaction> reaction(const VectorX& x, const Conditions& c) const override {
     return term_->reaction(points(x), c);

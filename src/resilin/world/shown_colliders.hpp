@@ -15,7 +15,7 @@ struct ShownCollider {
   bool is_closed = false;   ///< has an inside
   bool is_endless = false;  ///< a half-space
 
-  RigidPlace place(const Conditions& c) const { return motion.place(c.time - c.collider_delay); }
+  RigidPlace place(const Conditions& c) const { return motion.place(c.time - c.delay); }
 };
 
 /// All colliders of a world in the order of its reactions: those with an exact distance, then those of

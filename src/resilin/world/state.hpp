@@ -64,12 +64,12 @@ RESILIN_MEMBERS(State, step, mode, time, load, positions, velocities, previous_p
 
 /// Under which its forces are taken.
 inline Conditions conditions_of(const State& state) {
-  return {.time = state.time, .load = state.load, .collider_delay = state.collider_delay};
+  return {.time = state.time, .load = state.load, .delay = state.collider_delay};
 }
 
 /// The same `duration` [s] later, in motion.
 inline Conditions conditions_after(const State& state, double duration, double collider_delay = 0) {
-  return {.time = state.time + duration, .load = state.load, .collider_delay = collider_delay};
+  return {.time = state.time + duration, .load = state.load, .delay = collider_delay};
 }
 
 /// Exact binary image of a state, for checkpoints.

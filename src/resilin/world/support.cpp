@@ -37,6 +37,10 @@ Vector3 Support::target(const Vector3& X, const Conditions& c) const {
   return place_now;
 }
 
+bool Support::holds_after(double time) const {
+  return (std::ranges::upper_bound(switches, time) - switches.begin()) % 2 == 0;
+}
+
 bool Support::moves() const {
   return !displacement.isZero(0) || !gradient.isZero(0) || rotate.has_value() || !velocity.isZero(0);
 }
@@ -107,16 +111,12 @@ std::vector<std::int32_t> supports_of_unknowns(int dim, Index num_nodes,
 
 namespace {
 
-bool holds_after(const Support& support, double time) {
-  return (std::ranges::upper_bound(support.switches, time) - support.switches.begin()) % 2 == 0;
-}
-
 /// Whether two supports ever hold at a time.
 bool hold_together(const Support& a, const Support& b) {
-  if (holds_after(a, 0) && holds_after(b, 0)) return true;
+  if (a.holds_after(0) && b.holds_after(0)) return true;
   for (const std::vector<double>* times : {&a.switches, &b.switches})
     for (const double time : *times)
-      if (holds_after(a, time) && holds_after(b, time)) return true;
+      if (a.holds_after(time) && b.holds_after(time)) return true;
   return false;
 }
 

@@ -30,6 +30,8 @@ struct Support {
   bool reports_stiffness = false;
   bool holds = true;  ///< in the present phase (support_phase.hpp)
 
+  /// Whether it holds right after a time, by its `switches`.
+  bool holds_after(double time) const;
   /// Whether anything leads it elsewhere.
   bool moves() const;
 

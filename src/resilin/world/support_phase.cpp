@@ -11,21 +11,21 @@
 namespace resilin {
 namespace {
 
-bool holds_in(const Support& support, const World& world, int phase) {
-  if (phase == 0) return true;
-  const double begin = world.switch_times[static_cast<std::size_t>(phase - 1)];
-  return (std::ranges::upper_bound(support.switches, begin) - support.switches.begin()) % 2 == 0;
+/// When a phase that is not the first one begins [s].
+double begin_of(const World& world, int phase) {
+  return world.switch_times[static_cast<std::size_t>(phase - 1)];
 }
 
 std::vector<std::int32_t> owners_in(World& world, int phase) {
-  for (Support& support : world.supports) support.holds = holds_in(support, world, phase);
+  for (Support& support : world.supports)
+    support.holds = phase == 0 || support.holds_after(begin_of(world, phase));
   return supports_of_unknowns(world.dimension, world.num_nodes(), world.supports);
 }
 
 /// The step that begins with a phase; null: none does.
 const StepDescription* step_that_begins(const World& world, int phase) {
   if (phase == 0) return nullptr;
-  const double begin = world.switch_times[static_cast<std::size_t>(phase - 1)];
+  const double begin = begin_of(world, phase);
   const auto found = std::ranges::find_if(
       world.steps, [&](const StepDescription& step) { return step.end > begin + time_slack(begin); });
   return found == world.steps.end() ? nullptr : &*found;
@@ -38,10 +38,8 @@ void renew_fading_forces(World& world, int phase, const VectorX& forces) {
   ActiveTime fading;
   if (forces.size() > 0) {
     const StepDescription* step = step_that_begins(world, phase);
-    fading.function.form =
-        TimeFunction::Table{.times = {world.switch_times[static_cast<std::size_t>(phase - 1)],
-                                      step == nullptr ? world.end_time : step->end},
-                            .values = {1, 0}};
+    fading.function.form = TimeFunction::Table{
+        .times = {begin_of(world, phase), step == nullptr ? world.end_time : step->end}, .values = {1, 0}};
   }
   VectorX own = forces.size() > 0 ? forces : VectorX::Zero(world.rest_positions.size());
   for (Index node = 0; node < world.num_nodes(); ++node)

@@ -452,7 +452,7 @@ void Builder::find_fixed_unknowns() {
 }  // namespace
 
 World::World(const Description& description, std::shared_ptr<const Description> shared, const ScenePart* part,
-             Share share_of_part)
+             ProcessGroup share_of_part)
     : dimension(description.dimension),
       thickness(description.thickness),
       is_dynamic(description.is_dynamic),
@@ -508,7 +508,7 @@ World::World(const Description& description, std::shared_ptr<const Description> 
         value = "\"\"";
 }
 
-World::World(const ScenePart& part, Share share_of_part)
+World::World(const ScenePart& part, ProcessGroup share_of_part)
     : World(part.description, nullptr, &part, std::move(share_of_part)) {}
 
 double largest_turn(const World& world, const Conditions& from, const Conditions& to) {

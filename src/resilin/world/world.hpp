@@ -10,7 +10,7 @@
 #include "resilin/contact/collider_barrier.hpp"
 #include "resilin/contact/friction.hpp"
 #include "resilin/contact/obstacle_contact.hpp"
-#include "resilin/core/share.hpp"
+#include "resilin/core/process_group.hpp"
 #include "resilin/core/shared_indices.hpp"
 #include "resilin/energy/elastic.hpp"
 #include "resilin/energy/mass.hpp"
@@ -100,7 +100,7 @@ class World {
       : World(std::make_shared<const Description>(std::move(description))) {}
   explicit World(const std::shared_ptr<const Description>& shared) : World(*shared, shared) {}
   /// One process's part of a scene, which has been checked as a whole. All processes make theirs together.
-  World(const ScenePart& part, Share share_of_part);
+  World(const ScenePart& part, ProcessGroup share_of_part);
 
   int dimension = 3;
   double thickness = 1;  ///< thickness of plane scenes [m]
@@ -131,7 +131,7 @@ class World {
   OutputOptions output;
   Fingerprint fingerprint;  ///< fingerprint of the description; a caller's own terms are not in it
 
-  Share share;  ///< the whole scene, unless other processes have parts of it
+  ProcessGroup share;  ///< the whole scene, unless other processes have parts of it
   std::vector<std::vector<Index>>
       cell_numbers;  ///< cell numbers of a part, by body: numbers of its cells in the whole
 
@@ -215,7 +215,7 @@ class World {
 
  private:
   World(const Description& description, std::shared_ptr<const Description> shared,
-        const ScenePart* part = nullptr, Share share_of_part = {});
+        const ScenePart* part = nullptr, ProcessGroup share_of_part = {});
 };
 
 /// Largest rotation of a boundary condition or collider between two conditions [degrees].

@@ -42,15 +42,15 @@ class Exchange {
   virtual std::vector<std::string> gather(const std::string& bytes) const = 0;
 };
 
-/// One process's share of a scene; as a rule the whole of it, for which every function gives back what it
-/// got, at no cost.
-class Share {
+/// The processes that work on one scene, as one of them sees them: which nodes it owns, and sums over all. As
+/// a rule there is one process, for which every function gives back what it got, at no cost.
+class ProcessGroup {
  public:
-  Share() = default;
-  explicit Share(std::shared_ptr<const Exchange> exchange) : exchange_(std::move(exchange)) {}
+  ProcessGroup() = default;
+  explicit ProcessGroup(std::shared_ptr<const Exchange> exchange) : exchange_(std::move(exchange)) {}
 
   bool is_whole() const { return exchange_ == nullptr; }
-  /// Exchange of a share that is not the whole.
+  /// Exchange of several processes.
   const Exchange& exchange() const { return *exchange_; }
   bool is_first() const { return is_whole() || exchange_->rank() == 0; }
 

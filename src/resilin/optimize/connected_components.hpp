@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "resilin/core/share.hpp"
+#include "resilin/core/process_group.hpp"
 #include "resilin/linear/block_matrix.hpp"
 
 namespace resilin {
@@ -12,31 +12,31 @@ namespace resilin {
 /// Degrees of freedom of a norm.
 enum class Unknowns { all, free, fixed };
 
-/// The nodes in parts that the Hessian does not couple: bodies, or pieces of them, that do not touch. Each
-/// part is in balance or not whatever becomes of the others.
-class Parts {
+/// The connected components of the nodes in the pattern of the Hessian: bodies, or pieces of them, that do
+/// not touch. Each component is in balance or not whatever becomes of the others.
+class ConnectedComponents {
  public:
-  /// The pieces that hang together in the pattern, over all processes of a scene. Nodes that are coupled with
+  /// The components of the pattern, over all processes of a scene. Nodes that are coupled with
   /// none belong to the first piece.
-  explicit Parts(const BlockPattern& pattern, Share share = {});
+  explicit ConnectedComponents(const BlockPattern& pattern, ProcessGroup share = {});
 
   Index count() const { return count_; }
   Index num_nodes() const { return static_cast<Index>(part_of_.size()); }
   Index of_node(Index node) const { return part_of_[static_cast<std::size_t>(node)]; }
   /// The scene whose nodes these are: vectors and sums over them are those of all its processes.
-  const Share& share() const { return share_; }
+  const ProcessGroup& share() const { return share_; }
 
-  /// The parts when the extra blocks of a matrix couple some of them.
-  Parts joined_by(const BlockMatrix& hessian) const;
+  /// The components when the extra blocks of a matrix couple some of them.
+  ConnectedComponents joined_by(const BlockMatrix& hessian) const;
 
-  /// The Euclidean norm of `values` over the unknowns of each part.
+  /// The Euclidean norm of `values` over the unknowns of each component.
   /// @param is_fixed  per unknown; its size is that of `values`
   VectorX norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const;
-  /// The largest |value| of each part.
+  /// The largest |value| of each component.
   VectorX largest(const VectorX& values) const;
 
  private:
-  /// The sum of the squares of `values` times the unit of each part.
+  /// The sum of the squares of `values` times the unit of each component.
   VectorX squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
                   Unknowns which) const;
 
@@ -46,14 +46,15 @@ class Parts {
   /// Pieces of one process that hang together through others become one.
   void join_across(const std::vector<bool>& is_coupled);
 
-  Share share_;
+  ProcessGroup share_;
   std::vector<Index> part_of_;
   Index count_ = 1;
 };
 
-/// Multiplies the rows and columns of each part by a positive number, which changes no solution of a system
-/// whose right-hand side is multiplied likewise: only in what measure an iterative solver sees the parts.
-void scale_parts(const Parts& parts, const VectorX& weights, BlockMatrix& matrix);
-void scale_parts(const Parts& parts, const VectorX& weights, VectorX& right_side);
+/// Multiplies the rows and columns of each component by a positive number, which changes no solution of a
+/// system whose right-hand side is multiplied likewise: only in what measure an iterative solver sees the
+/// components.
+void scale_components(const ConnectedComponents& parts, const VectorX& weights, BlockMatrix& matrix);
+void scale_components(const ConnectedComponents& parts, const VectorX& weights, VectorX& right_side);
 
 }  // namespace resilin

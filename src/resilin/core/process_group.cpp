@@ -1,10 +1,10 @@
-#include "resilin/core/share.hpp"
+#include "resilin/core/process_group.hpp"
 
 #include <cmath>
 
 namespace resilin {
 
-double Share::owned_dot(const VectorX& a, const VectorX& b) const {
+double ProcessGroup::owned_dot(const VectorX& a, const VectorX& b) const {
   const std::span<const std::uint8_t> owned = exchange_->owned();
   if (owned.empty()) return 0;
   const Eigen::Index dim = a.size() / static_cast<Eigen::Index>(owned.size());
@@ -17,6 +17,8 @@ double Share::owned_dot(const VectorX& a, const VectorX& b) const {
   return sum;
 }
 
-double Share::norm(const VectorX& a) const { return is_whole() ? a.norm() : std::sqrt(sum(owned_dot(a, a))); }
+double ProcessGroup::norm(const VectorX& a) const {
+  return is_whole() ? a.norm() : std::sqrt(sum(owned_dot(a, a)));
+}
 
 }  // namespace resilin

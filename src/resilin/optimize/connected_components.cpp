@@ -1,4 +1,4 @@
-#include "resilin/optimize/parts.hpp"
+#include "resilin/optimize/connected_components.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ double unit_for_squares(double largest) {
 
 }  // namespace
 
-Parts::Parts(const BlockPattern& pattern, Share share)
+ConnectedComponents::ConnectedComponents(const BlockPattern& pattern, ProcessGroup share)
     : share_(std::move(share)), part_of_(static_cast<std::size_t>(pattern.num_nodes()), 0) {
   Sets sets(pattern.num_nodes());
   std::vector<bool> is_coupled(part_of_.size(), false);
@@ -70,7 +70,7 @@ Parts::Parts(const BlockPattern& pattern, Share share)
   if (!share_.is_whole()) join_across(is_coupled);
 }
 
-void Parts::join_across(const std::vector<bool>& is_coupled) {
+void ConnectedComponents::join_across(const std::vector<bool>& is_coupled) {
   constexpr double none = std::numeric_limits<double>::infinity();
   const auto part_at = [this](std::size_t node) { return static_cast<std::size_t>(part_of_[node]); };
   // Each piece is known by the smallest number of its nodes, which goes from copy to copy.
@@ -118,7 +118,7 @@ void Parts::join_across(const std::vector<bool>& is_coupled) {
   count_ = std::max(Index{1}, static_cast<Index>(all.size()));
 }
 
-Parts Parts::joined_by(const BlockMatrix& hessian) const {
+ConnectedComponents ConnectedComponents::joined_by(const BlockMatrix& hessian) const {
   Sets sets(count_);
   for (const BlockMatrix::ExtraBlock& extra : hessian.extra)
     sets.join(of_node(extra.row), of_node(extra.column));
@@ -128,14 +128,14 @@ Parts Parts::joined_by(const BlockMatrix& hessian) const {
     const Index root = sets.root(part);
     number[static_cast<std::size_t>(part)] = root == part ? found++ : number[static_cast<std::size_t>(root)];
   }
-  Parts joined = *this;
+  ConnectedComponents joined = *this;
   joined.count_ = found;
   for (Index& part : joined.part_of_) part = number[static_cast<std::size_t>(part)];
   return joined;
 }
 
-VectorX Parts::own_squares(const VectorX& values, const VectorX& units,
-                           std::span<const std::uint8_t> is_fixed, Unknowns which) const {
+VectorX ConnectedComponents::own_squares(const VectorX& values, const VectorX& units,
+                                         std::span<const std::uint8_t> is_fixed, Unknowns which) const {
   struct Sums : VectorX {
     Sums& operator+=(const Sums& other) {
       if (size() == 0) return *this = other;
@@ -162,14 +162,15 @@ VectorX Parts::own_squares(const VectorX& values, const VectorX& units,
   });
 }
 
-VectorX Parts::squares(const VectorX& values, const VectorX& units, std::span<const std::uint8_t> is_fixed,
-                       Unknowns which) const {
+VectorX ConnectedComponents::squares(const VectorX& values, const VectorX& units,
+                                     std::span<const std::uint8_t> is_fixed, Unknowns which) const {
   VectorX sums = own_squares(values, units, is_fixed, which);
   share_.sum(std::span(sums.data(), static_cast<std::size_t>(sums.size())));
   return sums;
 }
 
-VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed, Unknowns which) const {
+VectorX ConnectedComponents::norms(const VectorX& values, std::span<const std::uint8_t> is_fixed,
+                                   Unknowns which) const {
   constexpr double tiny = 1e-200, huge = 1e200;
   const VectorX ones = VectorX::Ones(count_);
   const VectorX sums = squares(values, ones, is_fixed, which);
@@ -179,7 +180,7 @@ VectorX Parts::norms(const VectorX& values, std::span<const std::uint8_t> is_fix
   return squares(values, units, is_fixed, which).cwiseSqrt().cwiseQuotient(units);
 }
 
-VectorX Parts::largest(const VectorX& values) const {
+VectorX ConnectedComponents::largest(const VectorX& values) const {
   struct Largest : VectorX {
     Largest& operator+=(const Largest& other) {
       if (size() == 0) return *this = other;
@@ -203,7 +204,7 @@ VectorX Parts::largest(const VectorX& values) const {
   return largest;
 }
 
-void scale_parts(const Parts& parts, const VectorX& weights, BlockMatrix& matrix) {
+void scale_components(const ConnectedComponents& parts, const VectorX& weights, BlockMatrix& matrix) {
   const int dim = matrix.dim;
   const BlockPattern& pattern = *matrix.pattern;
   const auto num_nodes = static_cast<std::size_t>(pattern.num_nodes());
@@ -221,7 +222,7 @@ void scale_parts(const Parts& parts, const VectorX& weights, BlockMatrix& matrix
   }
 }
 
-void scale_parts(const Parts& parts, const VectorX& weights, VectorX& right_side) {
+void scale_components(const ConnectedComponents& parts, const VectorX& weights, VectorX& right_side) {
   const Eigen::Index dim = right_side.size() / parts.num_nodes();
   for (Eigen::Index i = 0; i < right_side.size(); ++i)
     right_side[i] *= weights[parts.of_node(static_cast<Index>(i / dim))];

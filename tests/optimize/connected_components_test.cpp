@@ -1,4 +1,4 @@
-#include "resilin/optimize/parts.hpp"
+#include "resilin/optimize/connected_components.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,28 +17,30 @@ std::shared_ptr<const BlockPattern> two_pieces() {
   return std::make_shared<BlockPattern>(builder.build());
 }
 
-TEST(Parts, AreThePiecesThatHangTogether) {
-  const Parts parts(*two_pieces());
+TEST(ConnectedComponents, AreThePiecesThatHangTogether) {
+  const ConnectedComponents parts(*two_pieces());
   EXPECT_EQ(parts.count(), 2);
   for (const Index node : {0, 1, 2, 3}) EXPECT_EQ(parts.of_node(node), 0) << node;
   for (const Index node : {4, 5}) EXPECT_EQ(parts.of_node(node), 1) << node;
 }
 
-TEST(Parts, OfNodesThatNothingCouplesAreOne) { EXPECT_EQ(Parts(BlockPatternBuilder(4).build()).count(), 1); }
+TEST(ConnectedComponents, OfNodesThatNothingCouplesAreOne) {
+  EXPECT_EQ(ConnectedComponents(BlockPatternBuilder(4).build()).count(), 1);
+}
 
-TEST(Parts, AreOneWhereTheyTouch) {
+TEST(ConnectedComponents, AreOneWhereTheyTouch) {
   const auto pattern = two_pieces();
   BlockMatrix matrix(2, pattern);
   const std::vector<double> block = {1, 0, 0, 1};
-  EXPECT_EQ(Parts(*pattern).joined_by(matrix).count(), 2);
+  EXPECT_EQ(ConnectedComponents(*pattern).joined_by(matrix).count(), 2);
   matrix.add_block(5, 1, block.data());
-  const Parts joined = Parts(*pattern).joined_by(matrix);
+  const ConnectedComponents joined = ConnectedComponents(*pattern).joined_by(matrix);
   EXPECT_EQ(joined.count(), 1);
   EXPECT_EQ(joined.of_node(4), 0);
 }
 
-TEST(Parts, HaveNormsOfTheirOwn) {
-  const Parts parts(*two_pieces());
+TEST(ConnectedComponents, HaveNormsOfTheirOwn) {
+  const ConnectedComponents parts(*two_pieces());
   VectorX values(6);
   values << 3, 4, 12, 0, 5, -7;
   const std::vector<std::uint8_t> is_fixed = {0, 0, 1, 0, 1, 0};
@@ -48,8 +50,8 @@ TEST(Parts, HaveNormsOfTheirOwn) {
   EXPECT_EQ(parts.largest(values), VectorX(Eigen::Vector2d(12, 7)));
 }
 
-TEST(Parts, HaveNormsWhereSquaresVanishOrOverflow) {
-  const Parts parts(*two_pieces());
+TEST(ConnectedComponents, HaveNormsWhereSquaresVanishOrOverflow) {
+  const ConnectedComponents parts(*two_pieces());
   const std::vector<std::uint8_t> is_fixed(6, 0);
   for (const double tiny : {1e-3, 1e-120, 1e-170, 1e-300, 1e-318}) {
     VectorX values(6);
@@ -66,9 +68,9 @@ TEST(Parts, HaveNormsWhereSquaresVanishOrOverflow) {
   EXPECT_FALSE(std::isfinite(parts.norms(values, is_fixed, Unknowns::all)[0]));
 }
 
-TEST(Parts, OfASystemMayBeMeasuredInUnitsOfTheirOwn) {
+TEST(ConnectedComponents, OfASystemMayBeMeasuredInUnitsOfTheirOwn) {
   const auto pattern = two_pieces();
-  const Parts parts(*pattern);
+  const ConnectedComponents parts(*pattern);
   BlockMatrix matrix(2, pattern);
   for (Index node = 0; node < 6; ++node)
     for (int k = 0; k < 2; ++k) matrix.add_to_diagonal(node, k, 1 + node);
@@ -78,8 +80,8 @@ TEST(Parts, OfASystemMayBeMeasuredInUnitsOfTheirOwn) {
   VectorX b, scaled_b;
   multiply(matrix, x, b);
   const VectorX weights = Eigen::Vector2d(1, 1e-9);
-  scale_parts(parts, weights, matrix);
-  scale_parts(parts, weights, b);
+  scale_components(parts, weights, matrix);
+  scale_components(parts, weights, b);
   multiply(matrix, x, scaled_b);
   EXPECT_LT((scaled_b - b).norm(), 1e-14 * b.norm());
 }
