@@ -48,8 +48,8 @@ class NearlyIncompressible final : public Objective {
     block(1, 0) += pressure;
     if (projection != Projection::none) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(block);
-      const Eigen::Vector2d values = projection == Projection::clamp ? eigen.eigenvalues().cwiseMax(1e-6)
-                                                                     : eigen.eigenvalues().cwiseAbs();
+      Eigen::Vector2d values = eigen.eigenvalues().cwiseAbs();
+      if (projection == Projection::clamp) values = eigen.eigenvalues().cwiseMax(1e-6);
       block = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
     }
     H.add_block(0, 0, block.data());
