@@ -321,8 +321,8 @@ export class Viewport {
 
   /** The camera where the whole scene is seen, with the ground below it. */
   seeAll(): void {
-    const box = (this.reach ?? this.restBox).clone();
-    if (this.frame) box.union(this.boxOf(this.frame.positions));
+    const now = this.frame ? this.boxOf(this.frame.positions) : new THREE.Box3();
+    const box = (this.reach ?? (now.isEmpty() ? this.restBox : now)).clone().union(now);
     if (this.look.colliders) this.colliders.widen(box, 2 * this.extent);
     this.sceneMarks.widen(box);
     this.faceLoads.widen(box);
