@@ -65,8 +65,8 @@ Simulation bulging_block(int dimension, const std::string& element) {
 
 /// Integrals over the facets of the underside of the first body.
 struct Underside {
-  double pressure = 0;        ///< of the true pressure over the deformed area [N]
-  double traction = 0;        ///< of the nominal traction upwards over the area at rest [N]
+  double pressure = 0;        ///< true pressure over the deformed area [N]
+  double traction = 0;        ///< nominal traction upwards over the area at rest [N]
   double area = 0, rest = 0;  ///< [m^2]
 };
 

@@ -92,7 +92,7 @@ TEST(AxisymmetricContact, FloorCarriesTheLoadOfTheWholeRingEvenly) {
       const VectorX pressures = contact_pressure(simulation.world(), simulation.state());
       const VectorX tractions = contact_traction(simulation.world(), simulation.state());
       const VectorX& x = simulation.state().positions;
-      const double stretch = x[2 * 8] / (inner + 1);  // of all radii and lengths across
+      const double stretch = x[2 * 8] / (inner + 1);  // all radii and lengths across have it
       EXPECT_GT(stretch, 1.001);
       for (Eigen::Index node = 0; node < 9; ++node) {
         EXPECT_NEAR(tractions[2 * node + 1], pressure, 1e-6 * pressure);

@@ -68,7 +68,7 @@ struct TouchedFace {
   double length = 0;               ///< deformed, in the plane [m]
 };
 
-/// What a force presses on.
+/// Area that a force presses on.
 struct PressedArea {
   Vector3 normal = Vector3::Zero();
   double area = 0, rest_area = 0, length = 0;
@@ -225,7 +225,7 @@ class TouchedFaces {
 
   int dim_;
   std::map<Index, std::vector<TouchedFace>> faces_;
-  std::vector<MiddleNodes> middles_;  ///< of each body that is touched
+  std::vector<MiddleNodes> middles_;  ///< one for each body that is touched
   std::vector<std::size_t> skins_;    ///< those of bodies that are touched on their skin
   std::vector<QuadraticFacet> quadratic_facets_;
 };

@@ -24,7 +24,7 @@ struct ContactPatch {
   Index body = -1;            ///< number of the body that is pressed on ...
   Index other = -1;           ///< ... by this one; of a collider neither is told
   double area = 0;            ///< deformed, of nodes with more than a hundredth of the largest pressure [m^2]
-  double reference_area = 0;  ///< of the same nodes at rest [m^2]
+  double reference_area = 0;  ///< area of the same nodes at rest [m^2]
   double width = 0;           ///< in 2D, deformed length of the same nodes in the plane [m]
   double force = 0;           ///< sum of the normal forces [N]
   double largest_pressure = 0;       ///< true pressure [Pa]

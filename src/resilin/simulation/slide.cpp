@@ -25,7 +25,7 @@ constexpr double steady_change = 0.1;
 struct Held {
   std::size_t body;
   std::vector<Index> nodes;
-  double stiffness;  ///< of each node [N/m]
+  double stiffness;  ///< spring constant of each node [N/m]
   double applied;    ///< load on the body [N]
 };
 
@@ -66,7 +66,7 @@ std::vector<Held> bodies_to_hold(const World& world, const Potential& potential,
   return all;
 }
 
-/// What the springs of a body bear at x [N].
+/// Force that the springs of a body bear at x [N].
 double borne(const World& world, const Held& held, const VectorX& anchors, const VectorX& x) {
   Vector3 sum = Vector3::Zero();
   for (const Index node : held.nodes)
@@ -91,11 +91,11 @@ std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton,
   VectorX x = state.positions, anchors = state.positions;
   std::vector<double> before(all.size(), 0);
   for (int move = 0; move < most_moves_of_springs; ++move) {
-    World held_world = world;
+    Terms terms = world.terms;
     for (const Held& held : all)
-      held_world.terms.push_back(std::make_shared<HandleSpring>(
-          "hold", world.dimension, held.nodes, held.stiffness, HandleSpring::Motion{}, anchors));
-    Potential potential = Potential::in_stage(held_world, state, conditions, stage);
+      terms.push_back(std::make_shared<HandleSpring>("hold", world.dimension, held.nodes, held.stiffness,
+                                                     HandleSpring::Motion{}, anchors));
+    Potential potential(terms, world.is_fixed, conditions, stage, world.share, state.history, nullptr);
     const StageReport found =
         solve_stage(potential, world.is_fixed, targets, {}, newton_settings(world),
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);

@@ -13,9 +13,9 @@ struct FrictionHold {
   /// A body that slides.
   struct Slide {
     std::size_t body;         ///< its number
-    double missing, applied;  ///< what is missing in its balance; the load on it [N]
+    double missing, applied;  ///< force that its balance lacks; load on it [N]
   };
-  std::optional<Slide> slide;  ///< of the bodies that slide the one for which most is missing
+  std::optional<Slide> slide;  ///< the body for which most is missing
   VectorX positions;           ///< without a slide: close to an equilibrium [m]
 };
 
