@@ -197,7 +197,9 @@ TEST_F(Joints, AreRefusedInOneLine) {
   EXPECT_THAT(error(R"(joint.0.bodies=["bux"])"), HasSubstr("one of box"));
   EXPECT_THAT(error_of(hanging_box + "axis = [0, 0, 0]", "joint.0.kind=hinge"),
               HasSubstr("a vector that is not zero"));
-  EXPECT_THAT(error("joint.0.kind=slider"), HasSubstr("\"ball\", \"hinge\", \"fixed\" or \"distance\""));
+  EXPECT_THAT(error("joint.0.kind=screw"), HasSubstr("\"universal\", \"fixed\" or \"distance\""));
+  EXPECT_THAT(error("joint.0.kind=slider"), HasSubstr("the joint needs the key \"axis\""));
+  EXPECT_THAT(error("joint.0.limits=[-1,1]"), HasSubstr("only a hinge or a slider has this key"));
   EXPECT_THAT(error("body.0.velocity=[1,0,0]"), HasSubstr("one velocity at the joint"));
   const std::string fixed = hanging_box + R"(
 [[fix]]
@@ -205,6 +207,253 @@ body = "box"
 where = { group = "z_max" }
 )";
   EXPECT_THAT(error_of(fixed, "title=x"), HasSubstr("leave the joint or a [[fix]] out"));
+}
+
+/// A box of 1 kg that a joint leads, by the ground or by a fixed block.
+std::string led_box(const std::string& bodies, const std::string& keys, const std::string& motion = "") {
+  return R"(
+[simulation]
+kind = "dynamic"
+gravity = [0, 0, -10]
+time_step = 0.005
+end_time = 0.2
+integrator = "tr_bdf2"
+
+[contact]
+enabled = false
+
+[[body]]
+name = "base"
+mesh = { box = { size = [0.2, 0.2, 0.2], cells = [1, 1, 1], origin = [-0.1, -0.1, -0.1] } }
+rigid = { density = 1000 }
+
+[[fix]]
+body = "base"
+where = { group = "z_min" }
+
+[[body]]
+name = "box"
+mesh = { box = { size = [0.1, 0.1, 0.1], cells = [1, 1, 1], origin = [-0.05, -0.05, -0.05] } }
+rigid = { density = 1000 }
+)" + motion +
+         "\n[[joint]]\nname = \"joint\"\nbodies = " + bodies + "\nat = [0, 0, 0]\n" + keys;
+}
+
+constexpr const char* to_the_ground = "[\"box\"]";
+constexpr const char* to_the_base = "[\"base\", \"box\"]";
+
+// 10 m/s^2 along an axis or in a plane at 45 degrees.
+TEST_F(Joints, LeadABoxByTheGroundOrByABody) {
+  struct Led {
+    const char* keys;
+    const char* motion;
+    double value, angle;
+  };
+  const double way = 0.5 * 10 * std::sqrt(0.5) * 0.2 * 0.2;
+  for (const Led& led :
+       {Led{"kind = \"slider\"\naxis = [1, 0, -1]", "", way, 0},
+        Led{"kind = \"cylindrical\"\naxis = [1, 0, -1]",
+            "velocity_gradient = [[0, 2, 0], [-2, 0, -2], [0, 2, 0]]", way, std::sqrt(8) * 0.2},
+        Led{"kind = \"planar\"\naxis = [1, 0, 1]", "velocity_gradient = [[0, -2, 0], [2, 0, -2], [0, 2, 0]]",
+            way, std::sqrt(8) * 0.2}}) {
+    SCOPED_TRACE(led.keys);
+    const json ground = frames_of(led_box(to_the_ground, led.keys, led.motion)).back()["joints"]["joint"];
+    const json base = frames_of(led_box(to_the_base, led.keys, led.motion)).back()["joints"]["joint"];
+    EXPECT_NEAR(double(ground["value"]), led.value, 2e-4 * led.value);
+    EXPECT_NEAR(double(base["value"]), led.value, 2e-4 * led.value);
+    if (led.angle > 0) {
+      EXPECT_NEAR(double(ground["angle"]), led.angle, 1e-3);
+      EXPECT_NEAR(double(base["angle"]), led.angle, 1e-3);
+    }
+    EXPECT_LT(double(ground["gap"]), 1e-12);
+    EXPECT_LT(double(base["gap"]), 2e-6);
+    // Force on the first body: the box, or the base.
+    for (const std::size_t k : {0, 2}) {
+      EXPECT_NEAR(double(ground["force"][k]), 5, 0.01);
+      EXPECT_NEAR(double(base["force"][k]), -5, 0.01);
+    }
+  }
+}
+
+// Spring, damper, stop and motors of a slider along z, where the weight of 10 N acts.
+TEST_F(Joints, HaveSpringsDampersStopsAndMotorsOnTheirWay) {
+  const std::string slider = "kind = \"slider\"\naxis = [0, 0, 1]\n";
+  for (const char* bodies : {to_the_ground, to_the_base}) {
+    const auto value = [&](const std::string& keys) {
+      return double(frames_of(led_box(bodies, slider + keys)).back()["joints"]["joint"]["value"]);
+    };
+    // m z'' = -m g - k z - d z' from rest, with 0.1 s as the time of decay.
+    const double decay = 10, w = std::sqrt(400 - decay * decay), end = 0.2;
+    const double still = -10.0 / 400;
+    const double moved =
+        still - still * std::exp(-decay * end) * (std::cos(w * end) + decay / w * std::sin(w * end));
+    EXPECT_NEAR(value("stiffness = 400\ndamping = 20"), moved, 2e-5);
+    EXPECT_NEAR(value("stiffness = 400\ndamping = 20\nrest = 0.025"), 0, 1e-9);
+    const std::string stopped = led_box(bodies, slider + "limits = [-0.05, 1]\ndamping = 20");
+    double lowest = 0;
+    for (const json& frame : frames_of(stopped))
+      lowest = std::min(lowest, double(frame["joints"]["joint"]["value"]));
+    EXPECT_NEAR(lowest, -0.05, 1e-3);
+    EXPECT_GT(lowest, -0.05 - 1e-5);
+    EXPECT_NEAR(value("motor = { force = 30 }"), 0.5 * 20 * end * end, 1e-4);
+    EXPECT_NEAR(value("motor = { velocity = 0.7, time_function = { ramp = { from = 0, until = 0.2 } } }"),
+                0.07, 1e-4);
+    EXPECT_NEAR(value("motor = { position = 0.05, time_function = { ramp = { from = 0, until = 0.1 } } }"),
+                0.05, 1e-4);
+  }
+}
+
+// A box with the moment of inertia m a^2 / 6 about an axis through its centre.
+TEST_F(Joints, HaveSpringsDampersStopsAndMotorsOfTheirAngle) {
+  const double inertia = 0.01 / 6, end = 0.2;
+  for (const char* bodies : {to_the_ground, to_the_base}) {
+    const auto value = [&](const std::string& keys) {
+      return double(frames_of(led_box(bodies, "kind = \"hinge\"\naxis = [0, 0, 1]\n" + keys))
+                        .back()["joints"]["joint"]["value"]);
+    };
+    EXPECT_NEAR(value("motor = { torque = 0.02 }"), 0.5 * 0.02 / inertia * end * end, 1e-4);
+    // To 20 / 3 rad/s in 1 / 60 s, and on at this speed.
+    EXPECT_NEAR(value("damping = 0.003\nmotor = { torque = 0.02 }"),
+                0.02 / 0.003 * (end - inertia / 0.003 * (1 - std::exp(-end * 0.003 / inertia))), 1e-3);
+    EXPECT_NEAR(value("stiffness = 2\ndamping = 0.1\nmotor = { torque = 0.2 }"), 0.1, 5e-3);
+    EXPECT_NEAR(value("motor = { velocity = 5, time_function = { ramp = { from = 0, until = 0.1 } } }"), 0.75,
+                2e-3);
+  }
+}
+
+std::string in_statics(const std::string& scene) {
+  return "[simulation]\ngravity = [0, 0, -10]\n" + scene.substr(scene.find("\n[contact]"));
+}
+
+// Motors push joints beyond their stops; springs hold them against the weight and against each other.
+TEST_F(Joints, HaveStopsAndSpringsInStatics) {
+  for (const char* bodies : {to_the_ground, to_the_base}) {
+    const auto joint = [&](const std::string& keys) {
+      return frames_of(in_statics(led_box(bodies, keys))).back()["joints"]["joint"];
+    };
+    const std::string slider = "kind = \"slider\"\naxis = [0, 0, 1]\n";
+    const std::string hinge = "kind = \"hinge\"\naxis = [1, 0, 0]\n";
+    EXPECT_NEAR(double(joint(slider + "stiffness = 400")["value"]), -10.0 / 400, 1e-9);
+    const json stopped = joint(slider + "limits = [-0.05, 1]\nmotor = { position = -0.1, stiffness = 400 }");
+    EXPECT_NEAR(double(stopped["value"]), -0.05, 1e-4);
+    EXPECT_NEAR(std::abs(double(stopped["force"][2])), 10, 1e-6);  // motor and stop together
+    EXPECT_NEAR(double(joint(hinge + "stiffness = 3\nmotor = { torque = 1.5 }")["value"]), 0.5, 1e-6);
+    EXPECT_NEAR(
+        double(joint(hinge + "limits = [-0.2, 0.3]\nmotor = { position = 1, stiffness = 3 }")["value"]), 0.3,
+        1e-4);
+  }
+}
+
+/// A rod that a motor turns at 4 rad/s, and a bead of 0.1 kg that slides out along it from 0.2 m.
+const std::string bead_on_a_rod = R"(
+[simulation]
+kind = "dynamic"
+dimension = 2
+time_step = 0.002
+end_time = 0.5
+integrator = "tr_bdf2"
+
+[[body]]
+name = "rod"
+mesh = { box = { size = [1, 0.02], cells = [1, 1], origin = [0, -0.01] } }
+rigid = { density = 500 }
+velocity_gradient = [[0, -4], [4, 0]]
+
+[[body]]
+name = "bead"
+mesh = { box = { size = [0.02, 0.02], cells = [1, 1], origin = [0.19, -0.01] } }
+rigid = { density = 250 }
+velocity_gradient = [[0, -4], [4, 0]]
+
+[[joint]]
+name = "shaft"
+kind = "hinge"
+bodies = ["rod"]
+at = [0, 0]
+motor = { velocity = 4 }
+
+[[joint]]
+name = "slider"
+kind = "slider"
+bodies = ["rod", "bead"]
+at = [0.2, 0]
+axis = [1, 0]
+)";
+
+// r = 0.2 cosh(4 t), with the force 2 m w r' across the rod.
+TEST_F(Joints, LetABeadSlideOutOnATurningRod) {
+  const json frame = frames_of(bead_on_a_rod).back();
+  const double r = 0.2 * std::cosh(2.0), rate = 0.8 * std::sinh(2.0);
+  const json slider = frame["joints"]["slider"];
+  EXPECT_NEAR(double(slider["value"]), r - 0.2, 1e-3 * r);
+  EXPECT_NEAR(std::hypot(double(slider["force"][0]), double(slider["force"][1])), 2 * 0.1 * 4 * rate, 0.03);
+  EXPECT_LT(double(slider["gap"]), 1e-5);
+  EXPECT_NEAR(double(frame["joints"]["shaft"]["value"]), 2, 1e-3);
+}
+
+/// Two shafts at an angle of 0.5 rad, each in a hinge, joined by a universal joint; a motor turns the first.
+const std::string shafts = R"(
+[simulation]
+load_steps = 4
+
+[[body]]
+name = "first"
+mesh = { box = { size = [0.3, 0.05, 0.05], cells = [1, 1, 1], origin = [-0.3, -0.025, -0.025] } }
+rigid = true
+
+[[body]]
+name = "second"
+mesh = { box = { size = [0.3, 0.05, 0.05], cells = [1, 1, 1], origin = [0, -0.025, -0.025] } }
+rotate = [0, 0, 1, 28.64788975654116]
+rigid = true
+
+[[joint]]
+name = "motor"
+kind = "hinge"
+bodies = ["first"]
+at = [-0.2, 0, 0]
+axis = [1, 0, 0]
+motor = { position = 1.2 }
+
+[[joint]]
+name = "universal"
+kind = "universal"
+bodies = ["first", "second"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+second_axis = [-0.479425538604203, 0.8775825618903728, 0]
+
+[[joint]]
+name = "output"
+kind = "hinge"
+bodies = ["second"]
+at = [0.17551651237807455, 0.0958851077208406, 0]
+axis = [0.8775825618903728, 0.479425538604203, 0]
+)";
+
+TEST_F(Joints, TurnTwoShaftsByAUniversalJoint) {
+  const json joints = frames_of(shafts).back()["joints"];
+  EXPECT_NEAR(double(joints["motor"]["value"]), 1.2, 1e-6);
+  EXPECT_NEAR(double(joints["output"]["value"]), std::atan(std::cos(0.5) * std::tan(1.2)), 1e-5);
+  EXPECT_LT(double(joints["universal"]["gap"]), 1e-7);
+}
+
+TEST_F(Joints, RefuseKeysThatAreNotTheirs) {
+  const auto error = [&](const std::string& keys) { return error_of(led_box(to_the_base, keys), "title=x"); };
+  const std::string slider = "kind = \"slider\"\naxis = [1, 0, 0]\n";
+  EXPECT_THAT(error(slider + "motor = { torque = 1 }"), HasSubstr("the motor of a slider has a force"));
+  EXPECT_THAT(error(slider + "motor = { force = 1, velocity = 1 }"), HasSubstr("one of position, velocity"));
+  EXPECT_THAT(error(slider + "motor = { force = 1, stiffness = 1 }"), HasSubstr("has no stiffness"));
+  EXPECT_THAT(error(slider + "limits = [0.1, 1]"), HasSubstr("lowest <= 0 <= highest"));
+  EXPECT_THAT(error(slider + "rest = 0.1"), HasSubstr("give stiffness, too"));
+  EXPECT_THAT(error("kind = \"hinge\"\naxis = [1, 0, 0]\nlimits = [-4, 4]"),
+              HasSubstr("less than a turn apart"));
+  EXPECT_THAT(error("kind = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [1, 1, 0]"),
+              HasSubstr("both axes of a universal joint are orthogonal"));
+  EXPECT_THAT(error_of(bead_on_a_rod, "joint.1.kind=cylindrical"),
+              HasSubstr("joints of this kind are for 3D"));
+  EXPECT_THAT(error_of(bead_on_a_rod, "body.1.velocity_gradient=[[0,0],[0,0]]"),
+              HasSubstr("one velocity at the joint"));
 }
 
 TEST_F(Cables, SwingABoxOnASpring) {

@@ -47,6 +47,18 @@ TEST(TimeFunctions, HaveTheRatesOfTheirValues) {
   }
 }
 
+TEST(TimeFunctions, HaveIntegralsWhoseRatesAreTheirValues) {
+  for (const char* text : {"{table=[[0.2,1],[1,2],[3,-2]]}", "{ramp={from=0.1,until=2}}",
+                           "{sine={frequency=0.3,amplitude=3,phase=20,offset=1}}"}) {
+    const TimeFunction f = function_of_the_load(text);
+    EXPECT_EQ(f.integral(0), 0);
+    const double h = 1e-4;
+    for (const double t : {0.05, 0.3, 0.8, 1.7, 2.6, 3.5})
+      EXPECT_NEAR(f.value(t), (f.integral(t + h) - f.integral(t - h)) / (2 * h), 1e-5) << text << " at " << t;
+  }
+  EXPECT_EQ(TimeFunction().integral(3), 3);
+}
+
 struct WrongFunction {
   std::string value;
   std::string message;

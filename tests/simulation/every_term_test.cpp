@@ -1,6 +1,6 @@
 // Properties that every term of a world must have: each kind of load, each collider's shape, strain energies
-// of every element, gravity, inertia and damping, distances and motors of joints, springs and cables. They
-// walk the catalogues, so that a new entry is here.
+// of every element, gravity, inertia and damping, all energies of joints, springs and cables. They walk the
+// catalogues, so that a new entry is here.
 
 #include <gtest/gtest.h>
 
@@ -85,6 +85,51 @@ Description crowded_scene(int dimension, const std::string& element) {
   return scene;
 }
 
+/// An arm joined to the first one and to the ground by more than it needs: a term of each kind.
+void add_joined_arm(Description& scene, BodyDescription arm, const TimeFunction& swings) {
+  arm.name = "joined arm";
+  scene.bodies.push_back(arm);
+  const auto add = [&](const char* name, JointKind kind) -> JointDescription& {
+    JointDescription& joint = scene.joints.emplace_back();
+    joint.name = name;
+    joint.kind = kind;
+    joint.bodies = {"joined arm"};
+    joint.at = arm.translate;
+    if (kind == JointKind::slider) joint.axis = Vector3::UnitX();
+    return joint;
+  };
+  const auto motor = [&](double velocity) {
+    MotorDescription made;
+    made.velocity = velocity;
+    made.time_function = swings;
+    return made;
+  };
+  JointDescription& torque = add("torque", JointKind::hinge);
+  torque.motor = motor(0);
+  torque.motor->effort = 7;
+  add("turning motor", JointKind::hinge).motor = motor(3);
+  JointDescription& angle = add("spring of an angle", JointKind::hinge);
+  angle.stiffness = 40;
+  angle.rest = 0.7;
+  add("damper of an angle", JointKind::hinge).damping = 6;
+  add("stop of an angle", JointKind::hinge).limits = {-1, -0.2};
+  add("force", JointKind::slider).motor = motor(0);
+  scene.joints.back().motor->effort = 7;
+  add("pushing motor", JointKind::slider).motor = motor(3);
+  JointDescription& way = add("spring of a way", JointKind::slider);
+  way.stiffness = 40;
+  way.rest = -0.3;
+  add("damper of a way", JointKind::slider).damping = 6;
+  add("stop of a way", JointKind::slider).limits = {0.1, 1};
+  add("open stop", JointKind::slider).limits = {-1, 1};
+  add("gap of a slider", JointKind::slider).bodies = {"arm", "joined arm"};
+  if (scene.dimension == 2) return;
+  add("gap of a plane", JointKind::planar).bodies = {"arm", "joined arm"};
+  JointDescription& universal = add("gap of a universal joint", JointKind::universal);
+  universal.bodies = {"arm", "joined arm"};
+  universal.second_axis = Vector3::UnitX();
+}
+
 /// A rigid arm far from the bars, with a motor that turns it, a rod, springs and cables.
 void add_arm(Description& scene) {
   const int dimension = scene.dimension;
@@ -101,7 +146,8 @@ void add_arm(Description& scene) {
   JointDescription hinge, rod;
   hinge.name = "motor";
   hinge.kind = JointKind::hinge;
-  hinge.motor = MotorDescription{.position = 0.4, .stiffness = 50, .time_function = swings};
+  hinge.motor = MotorDescription{
+      .position = 0.4, .velocity = {}, .effort = {}, .stiffness = 50, .time_function = swings};
   rod.name = "rod";
   rod.kind = JointKind::distance;
   hinge.bodies = rod.bodies = {"arm"};
@@ -109,6 +155,7 @@ void add_arm(Description& scene) {
   rod.at = place(0.5, 0);
   rod.to = place(0.7, 0.3);
   scene.joints = {hinge, rod};
+  add_joined_arm(scene, arm, swings);
   AnchorDescription on_arm, on_bar, on_ground;
   on_arm.body = "arm";
   on_arm.at = place(0.4, 0.1);

@@ -260,8 +260,8 @@ TEST(AStaticChain, IsHeldThroughItsJoints) {
     EXPECT_EQ(refusal_of(arch), "");
     Description held_by_motors = chain_of_rods(dimension, {hinge, hinge, fixed});
     for (std::size_t i : {0, 1})
-      held_by_motors.joints[i].motor =
-          MotorDescription{.position = 0.1, .stiffness = {}, .time_function = {}};
+      held_by_motors.joints[i].motor = MotorDescription{
+          .position = 0.1, .velocity = {}, .effort = {}, .stiffness = {}, .time_function = {}};
     EXPECT_EQ(refusal_of(held_by_motors), "");
   }
 }

@@ -24,7 +24,9 @@ constexpr std::array rows = {
     Row{"constraint",
         "constraints linear_constraint multipoint_constraint mpc equation equations periodic periodicity "
         "periodic_boundary coupling rigid_link rve homogenisation homogenization"},
-    Row{"joint", "joints hinge revolute ball_joint spherical connector linkage pivot"},
+    Row{"joint",
+        "joints hinge revolute ball_joint spherical prismatic cardan slider universal connector linkage "
+        "pivot"},
     Row{"spring", "springs elastic_band rubber_band"},
     Row{"cable", "cables tendon tendons rope string wire"},
     Row{"load",

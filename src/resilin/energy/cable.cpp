@@ -149,9 +149,7 @@ void Cable::add_pattern(BlockPatternBuilder& builder) const {
   std::vector<Index> nodes;
   for (const CarriedPoint& point : points_)
     for (const WeightedNode& each : point.nodes) nodes.push_back(each.node);
-  for (const Index a : nodes)
-    for (const Index b : nodes)
-      if (a < b) builder.add_pair(a, b);
+  builder.add_clique(nodes);
 }
 
 std::optional<double> Cable::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,

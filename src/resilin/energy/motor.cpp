@@ -5,18 +5,21 @@
 
 namespace resilin {
 
-Motor::Motor(std::string name, int dim, Arms arms, double radius, double stiffness, double position,
-             TimeFunction function)
+double MotorGoal::at(const Conditions& c) const {
+  double goal = position == 0 ? 0 : position * function.factor(c.time, c.load);
+  if (velocity != 0) goal += velocity * function.integral(c.time);
+  return goal;
+}
+
+Motor::Motor(std::string name, int dim, Arms arms, double radius, double stiffness, MotorGoal goal)
     : name_(std::move(name)),
       dim_(dim),
       arms_(std::move(arms)),
       factor_(stiffness / (radius * radius)),
-      stiffness_(stiffness),
-      position_(position),
-      function_(std::move(function)) {}
+      goal_(std::move(goal)) {}
 
 CarriedPoint Motor::gap_at(const Conditions& c) const {
-  const double a = angle(c), along = std::cos(a), across = std::sin(a);
+  const double a = goal_.at(c), along = std::cos(a), across = std::sin(a);
   CarriedPoint sum;
   const auto add = [&sum](const CarriedPoint& point, double share) {
     for (const auto& [node, weight] : point.nodes) sum.nodes.push_back({node, share * weight});
@@ -69,15 +72,14 @@ void Motor::add_hessian(const VectorX&, const Conditions& c, Projection, BlockMa
 }
 
 void Motor::add_pattern(BlockPatternBuilder& builder) const {
-  const CarriedPoint of = gap_at({});
-  for (const WeightedNode& a : of.nodes)
-    for (const WeightedNode& b : of.nodes)
-      if (a.node < b.node) builder.add_pair(a.node, b.node);
+  std::vector<Index> nodes;
+  for (const WeightedNode& each : gap_at({}).nodes) nodes.push_back(each.node);
+  builder.add_clique(nodes);
 }
 
 std::optional<double> Motor::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                          const Conditions& after) const {
-  if (function_.is_constant() && before.load == after.load) return std::nullopt;
+  if (!goal_.moves(before, after)) return std::nullopt;
   return larger_work(*this, from, before, to, after);
 }
 

@@ -7,9 +7,24 @@
 
 namespace resilin {
 
-/// The motor of a hinge, which turns a body by f(t) position against another one or the ground:
+/// The value that a motor drives the coordinate of a joint to: f(t) position + velocity integral f dt from 0
+/// to t.
+struct MotorGoal {
+  double position = 0;  ///< [rad or m]
+  double velocity = 0;  ///< [rad/s or m/s]
+  TimeFunction function{};
+
+  double at(const Conditions& c) const;
+  /// Whether it is not known to be the same under both conditions.
+  bool moves(const Conditions& before, const Conditions& after) const {
+    return (velocity != 0 && before.time != after.time) || !function.is_constant() ||
+           before.load != after.load;
+  }
+};
+
+/// The motor of a hinge, which turns a body by an angle a against another one or the ground:
 ///
-///   E = k / (2 r^2) |p - (c + r (cos a u + sin a v))|^2 = k (1 - cos d),   a = f(t) position,
+///   E = k / (2 r^2) |p - (c + r (cos a u + sin a v))|^2 = k (1 - cos d)
 ///
 /// p is a point of the body at the distance r from the centre c; u and v are directions across the axis that
 /// the other body carries. d is what is missing of the angle.
@@ -20,8 +35,7 @@ class Motor final : public BasicEnergy {
     CarriedPoint centre, along, across;  ///< c, c + r u, c + r v
   };
 
-  Motor(std::string name, int dim, Arms arms, double radius, double stiffness, double position,
-        TimeFunction function);
+  Motor(std::string name, int dim, Arms arms, double radius, double stiffness, MotorGoal goal);
 
   std::string_view name() const override { return name_; }
   EnergyProperties properties() const override { return {.category = EnergyCategory::external}; }
@@ -35,9 +49,6 @@ class Motor final : public BasicEnergy {
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
-  double angle(const Conditions& c) const { return position_ * function_.factor(c.time, c.load); }
-  double stiffness() const { return stiffness_; }
-
  private:
   /// The gap as a sum of weights times nodes, and a part of the ground.
   CarriedPoint gap_at(const Conditions& c) const;
@@ -45,10 +56,8 @@ class Motor final : public BasicEnergy {
   std::string name_;
   int dim_;
   Arms arms_;
-  double factor_;     ///< k / r^2 [N/m]
-  double stiffness_;  ///< k [N m]
-  double position_;   ///< [rad]
-  TimeFunction function_;
+  double factor_;  ///< k / r^2 [N/m]
+  MotorGoal goal_;
 };
 
 }  // namespace resilin

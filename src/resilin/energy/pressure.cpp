@@ -83,11 +83,7 @@ void Pressure::add_gradient_magnitude(const VectorX& x, const Conditions& c, Vec
 }
 
 void Pressure::add_pattern(BlockPatternBuilder& builder) const {
-  for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
-    const std::span<const Index> nodes = facets_.cell(facet);
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      for (std::size_t b = a + 1; b < nodes.size(); ++b) builder.add_pair(nodes[a], nodes[b]);
-  }
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet) builder.add_clique(facets_.cell(facet));
 }
 
 void Pressure::add_hessian(const VectorX& x, const Conditions& c, Projection, BlockMatrix& hessian) const {

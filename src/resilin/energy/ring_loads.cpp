@@ -103,11 +103,7 @@ void RingPressure::add_gradient_magnitude(const VectorX& x, const Conditions& c,
 }
 
 void RingPressure::add_pattern(BlockPatternBuilder& builder) const {
-  for (Index facet = 0; facet < facets_.num_cells(); ++facet) {
-    const std::span<const Index> nodes = facets_.cell(facet);
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      for (std::size_t b = a + 1; b < nodes.size(); ++b) builder.add_pair(nodes[a], nodes[b]);
-  }
+  for (Index facet = 0; facet < facets_.num_cells(); ++facet) builder.add_clique(facets_.cell(facet));
 }
 
 /// Symmetric part of the tangent. With A = 2 pi r (z', -r'): dA/dr_b = 2 pi (N_b z', -N_b r' - r N_b'),

@@ -58,7 +58,35 @@ struct Rate {
   }
 };
 
+/// The integral up to a time, but for a constant.
+struct Primitive {
+  double time;
+  double operator()(const TimeFunction::Constant&) const { return time; }
+  double operator()(const TimeFunction::Table& table) const {
+    const std::vector<double>&t = table.times, &f = table.values;
+    if (time <= t.front()) return (time - t.front()) * f.front();
+    double sum = 0;
+    for (std::size_t i = 1; i < t.size() && t[i - 1] < time; ++i) {
+      const double end = std::min(time, t[i]);
+      sum += (end - t[i - 1]) * (f[i - 1] + 0.5 * (end - t[i - 1]) * slope(table, i));
+    }
+    return sum + std::max(time - t.back(), 0.0) * f.back();
+  }
+  double operator()(const TimeFunction::Sine& sine) const {
+    const double rate = 2 * std::numbers::pi * sine.frequency;
+    return sine.offset * time - sine.amplitude * std::cos(angle(sine, time)) / rate;
+  }
+  double operator()(const TimeFunction::Ramp& ramp) const {
+    const double rise = std::clamp(time, ramp.from, ramp.until) - ramp.from;
+    return 0.5 * rise * rise / (ramp.until - ramp.from) + std::max(time - ramp.until, 0.0);
+  }
+};
+
 }  // namespace
+
+double TimeFunction::integral(double time) const {
+  return std::visit(Primitive{time}, form) - std::visit(Primitive{0}, form);
+}
 
 double TimeFunction::value(double time) const { return std::visit(Value{time}, form); }
 

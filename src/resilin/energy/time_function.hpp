@@ -41,6 +41,7 @@ struct TimeFunction {
   double factor(double time, double load) const { return is_constant() ? load : value(time); }
   double rate(double time) const;         ///< df/dt [1/s]
   double second_rate(double time) const;  ///< d2f/dt2 [1/s^2]
+  double integral(double time) const;     ///< from 0 to `time` >= 0 [s]
   std::vector<double> kinks() const;      ///< times where the rate jumps, rising [s]
 };
 

@@ -85,6 +85,12 @@ void BlockPatternBuilder::add_cells(std::vector<Index> nodes, int nodes_per_cell
   cells_.emplace_back(std::move(nodes), nodes_per_cell);
 }
 
+void BlockPatternBuilder::add_clique(std::span<const Index> nodes) {
+  for (const Index i : nodes)
+    for (const Index j : nodes)
+      if (i < j) pairs_.emplace_back(i, j);
+}
+
 BlockPattern BlockPatternBuilder::build() const {
   // Node to cells, so that the neighbours of one node are found, sorted and stored at a time.
   BlockPattern pattern;

@@ -51,6 +51,8 @@ class BlockPatternBuilder {
   /// All nodes of every cell are coupled with each other; `nodes` holds `nodes_per_cell` for each cell.
   void add_cells(std::vector<Index> nodes, int nodes_per_cell);
   void add_pair(Index i, Index j) { pairs_.emplace_back(i, j); }
+  /// All of these nodes are coupled with each other.
+  void add_clique(std::span<const Index> nodes);
   Index num_nodes() const { return num_nodes_; }
 
   /// Throws InputError where there are more couplings than slots can be numbered.

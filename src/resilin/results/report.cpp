@@ -102,10 +102,14 @@ Json frame_json(const Frame& frame, int dimension) {
                                        {"velocity", vector_json(body.velocity, dimension)},
                                        {"angular_velocity", moment_json(body.angular_velocity, dimension)}};
   }
-  for (const JointForce& joint : frame.joints)
-    json["joints"][joint.name] = {{"force", vector_json(joint.force, dimension)},
-                                  {"moment", moment_json(joint.moment, dimension)},
-                                  {"value", joint.value}};
+  for (const JointForce& joint : frame.joints) {
+    Json& entry = json["joints"][joint.name];
+    entry = {{"force", vector_json(joint.force, dimension)},
+             {"moment", moment_json(joint.moment, dimension)},
+             {"value", joint.value},
+             {"gap", joint.gap}};
+    if (joint.angle) entry["angle"] = *joint.angle;
+  }
   for (const Frame::CableForce& cable : frame.cables)
     json["cables"][cable.name] = {{"force", cable.force}, {"length", cable.length}};
   for (const auto& [body, region, elastic_energy] : frame.regions)

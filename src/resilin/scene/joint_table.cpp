@@ -1,3 +1,6 @@
+#include <numbers>
+#include <utility>
+
 #include "resilin/scene/tables.hpp"
 
 namespace resilin {
@@ -6,12 +9,20 @@ namespace {
 Keys<MotorDescription> motor_keys() {
   using M = MotorDescription;
   return {
-      number_key("position", &M::position, "rad", any_number,
-                 "Angle by which the second body turns against the first about the axis."),
-      key<M>({"stiffness", "number > 0", "N m", "from the rigid bodies", "Stiffness of the motor."},
+      number_key("position", &M::position, "rad, m", any_number,
+                 "Angle or way by which the second body moves against the first about or along the axis."),
+      key<M>({"velocity", "number", "rad/s, m/s", "none",
+              "In place of position: its rate, by which it grows from 0 at t = 0."},
+             [](const SceneNode& node, M& m) { m.velocity = read_number(node); }),
+      key<M>({"torque", "number", "N m", "none", "Hinge, in place of position: torque on the second body."},
+             [](const SceneNode& node, M& m) { m.effort = read_number(node); }),
+      key<M>({"force", "number", "N", "none", "Slider, in place of position: force on the second body."},
+             [](const SceneNode& node, M& m) { m.effort = read_number(node); }),
+      key<M>({"stiffness", "number > 0", "N m, N/m", "from the rigid bodies",
+              "Stiffness of a motor with a position or a velocity."},
              [](const SceneNode& node, M& m) { m.stiffness = read_number(node, positive); }),
       key<M>({"time_function", "[time_function](#time_function)", "", "none",
-              "Factor on position in place of the load factor."},
+              "Factor on position, torque or force in place of the load factor, or on velocity."},
              [](const SceneNode& node, M& m) { read_time_function(node, m.time_function); }),
   };
 }
@@ -45,13 +56,20 @@ void expect_points(const SceneNode& node, const CableDescription& cable, bool ar
 
 }  // namespace
 
+TableDoc motor_doc() {
+  return document("joint.motor", "Motor of a hinge or a slider; one of position, velocity, torque and force.",
+                  motor_keys());
+}
+
 Keys<JointDescription> joint_keys() {
   using J = JointDescription;
   return {
       text_key("name", &J::name, "joint[0] ...", "Name of the joint in the report."),
       choice_key("kind", &J::kind,
                  "ball: the point `at` of both bodies stays one. hinge: all points of the axis through `at` "
-                 "do. fixed: the bodies move as one. distance: that between `at` and `to` stays."),
+                 "do. slider: the second body moves along the axis alone. cylindrical: along and about it. "
+                 "planar: in the plane across the axis, and about it. universal: about both axes through "
+                 "`at`. fixed: the bodies move as one. distance: that between `at` and `to` stays."),
       key<J>(
           {"bodies", "list of names", "", "required",
            "Two rigid bodies, or one that is joined to the ground. A ball joins deformable bodies, too, at "
@@ -64,16 +82,41 @@ Keys<JointDescription> joint_keys() {
           }),
       key<J>({"at", "vector", "m", "required", "Where the joint is, as the bodies are placed."},
              [](const SceneNode& node, J& j) { j.at = read_vector(node); }),
-      key<J>({"axis", "vector", "", "required for a hinge in 3D", "Hinge: its axis."},
+      key<J>({"axis", "vector", "", "required for kinds with an axis",
+              "Axis that the first body or the ground carries; of a hinge not in 2D; planar: the normal."},
              [](const SceneNode& node, J& j) { j.axis = read_vector(node); }),
+      key<J>({"second_axis", "vector", "", "required for universal",
+              "Universal: the axis across `axis` that the second body carries, or the only one."},
+             [](const SceneNode& node, J& j) { j.second_axis = read_vector(node); }),
       key<J>({"to", "vector", "m", "required for distance",
               "Distance: the point of the second body, or of the ground."},
              [](const SceneNode& node, J& j) { j.to = read_vector(node); }),
-      key<J>({"motor", "{ position, stiffness, time_function }", "", "none",
-              "Hinge: turns it to an angle `position` [rad], with a `stiffness` [N m]."},
+      number_key("stiffness", &J::stiffness, "N m/rad, N/m", not_negative,
+                 "Hinge and slider: of a spring on the angle or the way."),
+      number_key("rest", &J::rest, "rad, m", any_number,
+                 "Angle or way without force of the spring. It is 0 as the bodies are placed."),
+      number_key("damping", &J::damping, "N m s, N s/m", not_negative,
+                 "Hinge and slider: torque or force for a unit of velocity."),
+      key<J>({"limits", "[lowest, highest]", "rad, m", "none",
+              "Hinge and slider: stiff stops of the angle or the way."},
+             [](const SceneNode& node, J& j) {
+               expect_list(node, "[lowest, highest]");
+               const std::size_t count = node.value->array().size();
+               for (std::size_t i = 0; i < count; ++i) j.limits.push_back(read_number(node.element(i)));
+               if (count != 2 || !(j.limits[0] <= 0 && j.limits[1] >= 0 && j.limits[0] < j.limits[1]))
+                 node.fail("two numbers, lowest <= 0 <= highest: the value is 0 as the bodies are placed");
+             }),
+      key<J>({"motor", "[joint.motor](#jointmotor)", "", "none",
+              "Hinge and slider: moves it by a position, a velocity, a torque or a force."},
              [](const SceneNode& node, J& j) {
                j.motor.emplace();
                read_table(node, motor_keys(), *j.motor);
+               int count = 0;
+               for (const char* name : {"position", "velocity", "torque", "force"})
+                 count += node.has(name) ? 1 : 0;
+               if (count != 1) node.fail_with("a motor has one of position, velocity, torque and force");
+               if (j.motor->effort && j.motor->stiffness)
+                 node.child("stiffness").fail_with("a motor with a torque or a force has no stiffness");
              }),
   };
 }
@@ -89,12 +132,33 @@ void read_joint(const SceneNode& node, JointDescription& joint) {
     if (node.has(name) && !is_right)
       node.child(name).fail_with(std::string("only a ") + kind + " has this key");
   };
-  const bool is_hinge = joint.kind == JointKind::hinge, is_3d = node.context->dimension == 3;
-  if (is_hinge && is_3d) needs("axis");
-  if (joint.kind == JointKind::distance) needs("to");
-  is_for("axis", is_hinge && is_3d, "hinge in 3D");
-  is_for("to", joint.kind == JointKind::distance, "joint of kind \"distance\"");
-  is_for("motor", is_hinge, "hinge");
+  using enum JointKind;
+  const bool is_3d = node.context->dimension == 3;
+  const bool is_spatial = joint.kind == cylindrical || joint.kind == planar || joint.kind == universal;
+  if (is_spatial && !is_3d)
+    node.child("kind").fail_with(
+        "joints of this kind are for 3D; in 2D there are ball, hinge, slider, fixed "
+        "and distance");
+  const bool has_axis = (joint.kind == hinge && is_3d) || joint.kind == slider || is_spatial;
+  const bool has_value = joint.kind == hinge || joint.kind == slider;
+  if (has_axis) needs("axis");
+  if (joint.kind == universal) needs("second_axis");
+  if (joint.kind == distance) needs("to");
+  is_for("axis", has_axis, "joint with an axis (hinge in 3D, slider, cylindrical, planar or universal)");
+  is_for("second_axis", joint.kind == universal, "joint of kind \"universal\"");
+  is_for("to", joint.kind == distance, "joint of kind \"distance\"");
+  for (const char* name : {"stiffness", "rest", "damping", "limits", "motor"})
+    is_for(name, has_value, "hinge or a slider");
+  if (node.has("rest") && !node.has("stiffness"))
+    node.child("rest").fail_with("rest is that of a spring: give stiffness, too");
+  if (joint.motor && joint.motor->effort)
+    for (const auto& [name, kind] : {std::pair{"torque", hinge}, std::pair{"force", slider}})
+      if (node.child("motor").has(name) && joint.kind != kind)
+        node.child("motor").child(name).fail_with(joint.kind == hinge ? "the motor of a hinge has a torque"
+                                                                      : "the motor of a slider has a force");
+  if (joint.kind == hinge && !joint.limits.empty() &&
+      !(joint.limits[1] - joint.limits[0] < 2 * std::numbers::pi))
+    node.child("limits").fail("limits of a hinge that are less than a turn apart");
 }
 
 Keys<CableDescription> spring_keys() {

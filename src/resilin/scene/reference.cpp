@@ -79,6 +79,7 @@ std::vector<TableDoc> scene_tables() {
                "Joint between two rigid bodies, or between one and the ground; its force is reported "
                "([joints](rigid.md#joints)).",
                joint_keys()),
+      motor_doc(),
       document(
           "[[spring]]",
           "Spring between two points of bodies or of the ground ([springs](rigid.md#springs-and-cables)).",

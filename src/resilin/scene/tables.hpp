@@ -88,6 +88,7 @@ void read_constraint(const SceneNode& node, ConstraintDescription& constraint);
 
 // joint_table.cpp
 Keys<JointDescription> joint_keys();
+TableDoc motor_doc();
 Keys<CableDescription> spring_keys();
 Keys<CableDescription> cable_keys();
 void read_joint(const SceneNode& node, JointDescription& joint);

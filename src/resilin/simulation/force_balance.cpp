@@ -125,14 +125,14 @@ namespace {
 std::vector<VectorX> acting_on_bodies(const World& world, const Potential& potential, const VectorX& x,
                                       const VectorX& gradient) {
   std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
-  const auto add = [&](const Cable& cable) {
-    if (cable.properties().category != EnergyCategory::elastic) return;
+  const auto add = [&](const Energy& term) {
+    if (term.properties().category != EnergyCategory::elastic) return;
     acting.push_back(VectorX::Zero(x.size()));
-    cable.add_gradient(x, potential.conditions(), acting.back());
+    term.add_gradient(x, potential.conditions(), acting.back());
   };
   for (const auto& cable : world.cables) add(*cable);
   for (const Joint& joint : world.joints)
-    if (joint.distance) add(*joint.distance);
+    for (const auto& term : joint.terms) add(*term);
   if (world.constraints) acting.push_back(world.constraints->forces(gradient));
   return acting;
 }

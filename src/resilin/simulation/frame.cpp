@@ -203,7 +203,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
     frame.reactions[k].second = world.share.sum(frame.reactions[k].second);
     frame.reaction_torques[k] = world.share.sum(frame.reaction_torques[k]);
   }
-  frame.joints = joint_forces(world, conditions, *step_gradient, state.positions);
+  frame.joints = joint_forces(world, conditions, *step_gradient, state);
   if (world.constraints) {
     const std::vector<Reaction> held = world.constraints->reactions(dim, *step_gradient, state.positions);
     for (std::size_t i = 0; i < held.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
@@ -20,15 +21,6 @@ namespace {
 
 using Weight = Dependents::Weight;
 using Constant = LinearConstraints::Constant;
-
-std::size_t body_named(const World& world, const std::string& name, const std::string& place) {
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    if (world.bodies[b].name == name || (name.empty() && world.bodies.size() == 1)) return b;
-    names.push_back(world.bodies[b].name);
-  }
-  throw InputError(place, "one of " + join(names), name.empty() ? "nothing" : "\"" + name + "\"");
-}
 
 /// Makes the relations of one world.
 class Maker {
@@ -82,8 +74,8 @@ CellBlock Maker::facets_of(const Where& where, std::size_t body, const std::stri
 
 void Maker::add(const TieDescription& tie) {
   const auto& [follower, leader] = tie.surfaces;
-  const std::size_t body = body_named(world_, follower.body, follower.place + ".body");
-  const std::size_t to = body_named(world_, leader.body, leader.place + ".body");
+  const std::size_t body = find_body(world_, follower.body, follower.place + ".body");
+  const std::size_t to = find_body(world_, leader.body, leader.place + ".body");
   if (body == to) throw InputError(leader.place + ".body", "another body", "\"" + leader.body + "\" twice");
   if (tie.max_distance) require_positive(*tie.max_distance, tie.place + ".max_distance");
   tied_bodies_.push_back({body, to});
@@ -168,22 +160,29 @@ void Maker::add(const ConstraintDescription& constraint) {
 // One owner stands for all joints: their forces are found together (joint.hpp).
 void Maker::add(const JointDescription& description, const Joint& joint) {
   if (joint_owner_ < 0) joint_owner_ = static_cast<std::ptrdiff_t>(system_.add_name(""));
-  for (const Joint::Point& point : joint.points)
-    for (int k = 0; k < dim_; ++k) {
-      std::vector<Weight> terms;
-      for (const auto& [node, weight] : point.nodes) terms.push_back({node * dim_ + k, weight});
-      try {
-        system_.add_equation(static_cast<std::size_t>(joint_owner_), std::move(terms), {}, description.place);
-      } catch (const InputError&) {
-        throw InputError(
-            description.place, "a joint with a body that boundary conditions leave free to follow",
-            "one between points that [[fix]] and other joints hold", "leave the joint or a [[fix]] out");
-      }
+  const auto add_equation = [&](std::vector<Weight> terms) {
+    try {
+      system_.add_equation(static_cast<std::size_t>(joint_owner_), std::move(terms), {}, description.place);
+    } catch (const InputError&) {
+      throw InputError(description.place, "a joint with a body that boundary conditions leave free to follow",
+                       "one between points that [[fix]] and other joints hold",
+                       "leave the joint or a [[fix]] out");
     }
+  };
+  for (const Joint::Row& row : joint.rows) {
+    std::vector<Weight> terms;
+    for (int k = 0; k < dim_; ++k) {
+      for (const auto& [node, weight] : row.nodes)
+        if (const double share = row.direction ? (*row.direction)[k] : 1; share != 0)
+          terms.push_back({node * dim_ + k, share * weight});
+      if (!row.direction) add_equation(std::exchange(terms, {}));
+    }
+    if (row.direction) add_equation(std::move(terms));
+  }
 }
 
 void Maker::add_equal(const ConstraintDescription& constraint) {
-  const std::size_t body = body_named(world_, constraint.body, constraint.place + ".body");
+  const std::size_t body = find_body(world_, constraint.body, constraint.place + ".body");
   const std::vector<Index> nodes = nodes_of(constraint.where, body, constraint.place + ".where");
   const std::size_t owner = system_.add_name(constraint.name);
   for (int k = 0; k < dim_; ++k) {
@@ -199,7 +198,7 @@ void Maker::add_sum(const ConstraintDescription& constraint) {
   std::vector<Weight> terms;
   for (const ConstraintTerm& term : constraint.terms) {
     require_axis(term.axis, dim_, term.place + ".axis");
-    const std::size_t body = body_named(world_, term.body, term.place + ".body");
+    const std::size_t body = find_body(world_, term.body, term.place + ".body");
     const std::vector<Index> nodes = nodes_of(term.where, body, term.place + ".where");
     for (const Index node : nodes)
       terms.push_back({node * dim_ + term.axis, term.coefficient / static_cast<double>(nodes.size())});
@@ -213,7 +212,7 @@ void Maker::add_sum(const ConstraintDescription& constraint) {
 // u(X + L e) = u(X) + H L e for opposite faces of the box around the body. A vertex on an edge of the box has
 // several partners: the equations of one of them say again what the others say.
 void Maker::add_periodic(const ConstraintDescription& constraint) {
-  const std::size_t b = body_named(world_, constraint.body, constraint.place + ".body");
+  const std::size_t b = find_body(world_, constraint.body, constraint.place + ".body");
   const Body& body = world_.bodies[b];
   const VectorX& X = world_.rest_positions;
   const double tolerance = 1e-6 * largest_extent(body, X, dim_);

@@ -282,15 +282,17 @@ struct TieDescription {
 };
 
 /// Kinds of joints between rigid bodies.
-enum class JointKind { ball, hinge, fixed, distance };
-constexpr std::array<std::string_view, 4> spellings(JointKind) {
-  return {"ball", "hinge", "fixed", "distance"};
+enum class JointKind { ball, hinge, slider, cylindrical, planar, universal, fixed, distance };
+constexpr std::array<std::string_view, 8> spellings(JointKind) {
+  return {"ball", "hinge", "slider", "cylindrical", "planar", "universal", "fixed", "distance"};
 }
 
-/// The motor of a hinge: the second body turns by the angle against the first, or against the ground.
+/// The motor of a hinge or a slider: it moves the second body against the first, or against the ground.
 struct MotorDescription {
-  double position = 0;              ///< at a factor 1 [rad]
-  std::optional<double> stiffness;  ///< [N m/rad]; default from the stiffness of the rigid bodies
+  double position = 0;              ///< at a factor 1 [rad or m]
+  std::optional<double> velocity;   ///< in place of a position, at a factor 1 [rad/s or m/s]
+  std::optional<double> effort;     ///< in place of a position: torque or force at a factor 1 [N m or N]
+  std::optional<double> stiffness;  ///< [N m/rad or N/m]; default from the stiffness of the rigid bodies
   TimeFunction time_function;
 };
 
@@ -298,10 +300,16 @@ struct JointDescription {
   std::string place = "joint";
   std::string name;
   JointKind kind = JointKind::ball;
-  std::vector<std::string> bodies;  ///< two, or one that is joined to the ground
-  Vector3 at = Vector3::Zero();     ///< as placed [m]
-  Vector3 axis = Vector3::UnitZ();  ///< hinge
-  std::optional<Vector3> to;        ///< distance: the point of the second body, or of the ground [m]
+  std::vector<std::string> bodies;     ///< two, or one that is joined to the ground
+  Vector3 at = Vector3::Zero();        ///< as placed [m]
+  Vector3 axis = Vector3::UnitZ();     ///< hinge, slider, cylindrical, universal; planar: the normal
+  std::optional<Vector3> second_axis;  ///< universal: the axis that the second body, or the only one, carries
+  std::optional<Vector3> to;           ///< distance: the point of the second body, or of the ground [m]
+  // Angle of a hinge or way of a slider:
+  double stiffness = 0;        ///< spring [N m/rad or N/m]
+  double rest = 0;             ///< where it has no force [rad or m]
+  double damping = 0;          ///< [N m s or N s/m]
+  std::vector<double> limits;  ///< lowest and highest value [rad or m]; empty: none
   std::optional<MotorDescription> motor;
 };
 

@@ -44,8 +44,9 @@ RESILIN_MEMBERS(TieDescription, place, name, surfaces, closes_gap, max_distance)
 RESILIN_MEMBERS(ConstraintTerm, place, body, where, axis, coefficient)
 RESILIN_MEMBERS(ConstraintDescription, place, name, kind, body, where, components, terms, value, gradient,
                 time_function)
-RESILIN_MEMBERS(MotorDescription, position, stiffness, time_function)
-RESILIN_MEMBERS(JointDescription, place, name, kind, bodies, at, axis, to, motor)
+RESILIN_MEMBERS(MotorDescription, position, velocity, effort, stiffness, time_function)
+RESILIN_MEMBERS(JointDescription, place, name, kind, bodies, at, axis, second_axis, to, stiffness, rest,
+                damping, limits, motor)
 RESILIN_MEMBERS(AnchorDescription, place, body, at)
 RESILIN_MEMBERS(CableDescription, place, name, points, stiffness, rest_length, tension_only, tension,
                 shortening, time_function)

@@ -21,7 +21,7 @@ bool follows_time(const Description& description) {
   };
   const auto has_function = [](const auto& entry) { return !entry.time_function.is_constant(); };
   const auto has_motor = [&](const JointDescription& joint) {
-    return joint.motor && has_function(*joint.motor);
+    return joint.motor && (joint.motor->velocity || has_function(*joint.motor));
   };
   const auto rubs_at_times = [](const ColliderDescription& collider) {
     return !collider.friction_factor.is_constant();

@@ -391,19 +391,6 @@ Eigen::MatrixXd range_of(const Eigen::MatrixXd& columns) {
   return eigen.vectors.rightCols(rank);
 }
 
-/// A motor holds the angle of its joint.
-void add_motor_directions(const World& world, std::vector<HeldDirection>& held) {
-  const int dim = world.dimension;
-  for (const Joint& joint : world.joints) {
-    if (!joint.motor) continue;
-    const Vector3 across =
-        joint.fixed.across.at(dim, world.rest_positions) - joint.fixed.at.at(dim, world.rest_positions);
-    HeldDirection direction{.nodes = joint.turned.along.nodes, .direction = across.normalized()};
-    for (const auto& [node, weight] : joint.fixed.along.nodes) direction.nodes.push_back({node, -weight});
-    held.push_back(std::move(direction));
-  }
-}
-
 /// Relations between components of one direction hold what follows beside what it follows.
 void add_constraint_directions(const World& world, std::vector<HeldDirection>& held) {
   if (!world.constraints) return;
@@ -430,7 +417,8 @@ void check_is_held(const World& world) {
   std::vector<HeldDirection> held_directions;
   for (const auto& term : world.terms) term->add_held_directions(world.start_positions, held_directions);
   add_constraint_directions(world, held_directions);
-  add_motor_directions(world, held_directions);
+  for (const Joint& joint : world.joints)
+    held_directions.insert(held_directions.end(), joint.held.begin(), joint.held.end());
   const std::vector<LooseBody> loose = loose_bodies(world, is_held, held_directions);
   if (loose.empty()) return;
   JoinedParts joined(world, loose);

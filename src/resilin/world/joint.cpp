@@ -10,20 +10,14 @@
 #include "resilin/world/joint_maker.hpp"
 #include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/rigid_shape.hpp"
+#include "resilin/world/state.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr double agreement_of_velocities = 1e-6;  ///< relative to the velocities at a joint
-
-const Body& body_of_joint(const World& world, const std::string& name, const std::string& place) {
-  std::vector<std::string> names;
-  for (const Body& body : world.bodies) {
-    if (body.name == name) return body;
-    names.push_back(body.name);
-  }
-  throw InputError(place, "one of " + join(names), '"' + name + '"');
-}
+/// Cosine of the angle between the axes of a universal joint, up to which they are orthogonal.
+constexpr double orthogonality = 1e-6;
 
 /// A point that a body carries: on a deformable one its nearest vertex. Null: the ground.
 CarriedPoint carried(World& world, const Body* body, const Vector3& at, const std::string& place) {
@@ -31,12 +25,6 @@ CarriedPoint carried(World& world, const Body* body, const Vector3& at, const st
   Probe probe = find_probe({.place = place, .name = "", .body = body->name, .at = at}, *body, world);
   if (probe.carriers.empty()) return {.nodes = {{probe.node, 1}}};
   return {.nodes = std::move(probe.carriers)};
-}
-
-std::vector<WeightedNode> difference_of(const CarriedPoint& first, const CarriedPoint& second) {
-  std::vector<WeightedNode> all = first.nodes;
-  for (const auto& [node, weight] : second.nodes) all.push_back({node, -weight});
-  return all;
 }
 
 double extent_of_joint(const World& world, const std::vector<const Body*>& bodies) {
@@ -59,7 +47,7 @@ double modulus_of_joint(const std::vector<const Body*>& bodies) {
 std::vector<const Body*> bodies_of(const JointDescription& joint, const World& world) {
   std::vector<const Body*> bodies;
   for (const std::string& name : joint.bodies)
-    bodies.push_back(&body_of_joint(world, name, joint.place + ".bodies"));
+    bodies.push_back(&world.bodies[find_body(world, name, joint.place + ".bodies")]);
   if (bodies.size() == 1) bodies.push_back(nullptr);
   if (bodies[0] == bodies[1])
     throw InputError(joint.place + ".bodies", "two bodies, or one that is joined to the ground",
@@ -72,159 +60,423 @@ std::vector<const Body*> bodies_of(const JointDescription& joint, const World& w
   return bodies;
 }
 
-/// Where bodies start with velocities that the joint does not allow.
-void check_velocities(const JointDescription& description, const World& world, const Joint& joint) {
-  if (!world.is_dynamic) return;
-  for (const Joint::Point& point : joint.points) {
-    Vector3 sum = Vector3::Zero();
-    double size = 0;
-    for (const auto& [node, weight] : point.nodes) {
-      const Vector3 v = weight * node_position(world.dimension, node, world.start_velocities);
-      sum += v;
-      size = std::max(size, v.norm());
+/// Makes one joint and its energies.
+class JointMaker {
+ public:
+  JointMaker(const JointDescription& description, World& world, std::vector<std::shared_ptr<Energy>>& terms)
+      : description_(description),
+        world_(world),
+        terms_(terms),
+        dim_(world.dimension),
+        bodies_(bodies_of(description, world)),
+        length_(extent_of_joint(world, bodies_)),
+        force_stiffness_(modulus_of_joint(bodies_) * (dim_ == 3 ? length_ : 1)) {}
+
+  Joint make() {
+    joint_ = {.name = description_.name, .kind = description_.kind, .length = length_};
+    for (const Body* body : bodies_)
+      if (body != nullptr) joint_.bodies.push_back(static_cast<std::size_t>(body - world_.bodies.data()));
+    joint_.at = point(bodies_[0], Vector3::Zero());
+    if (joint_.kind == JointKind::distance) {
+      add_distance();
+    } else {
+      choose_axes();
+      add_frames();
+      add_equations();
+      add_energies();
     }
-    if (sum.norm() > agreement_of_velocities * size)
-      throw InputError(description.place, "bodies that start with one velocity at the joint",
-                       "velocities that differ by " + format_short(sum.norm()) + " m/s",
+    check_velocities();
+    return std::move(joint_);
+  }
+
+ private:
+  CarriedPoint point(const Body* body, const Vector3& arm) const {
+    return carried(world_, body, description_.at + arm, description_.place + ".at");
+  }
+
+  void add(std::shared_ptr<Energy> term) {
+    joint_.terms.push_back(term);
+    terms_.push_back(std::move(term));
+  }
+
+  void add_distance() {
+    const Vector3 to = description_.to.value_or(description_.at);
+    joint_.rest_distance = (to - description_.at).norm();
+    if (!(joint_.rest_distance > 0))
+      throw InputError(description_.place + ".to", "another point than `at`", "the same",
+                       "take kind = \"ball\" for points that stay together");
+    const CarriedPoint second = carried(world_, bodies_[1], to, description_.place + ".to");
+    auto term = std::make_shared<Cable>(
+        joint_.name, dim_, std::vector<CarriedPoint>{joint_.at, second},
+        Cable::Law{.stiffness = force_stiffness_, .rest_length = joint_.rest_distance});
+    joint_.distance = term;
+    add(std::move(term));
+  }
+
+  /// The axis, and directions across it, of which the first is the second axis of a universal joint.
+  void choose_axes() {
+    const bool has_axis = joint_.kind != JointKind::ball && joint_.kind != JointKind::fixed;
+    if (has_axis && (dim_ == 3 || joint_.kind == JointKind::slider)) {
+      if (!(description_.axis.norm() > 0))
+        throw InputError(description_.place + ".axis", "a vector that is not zero", "[0, 0, 0]");
+      axis_ = description_.axis.normalized();
+    }
+    if (dim_ == 2 && joint_.kind == JointKind::slider) {
+      along_ = Vector3::UnitZ().cross(axis_);
+      across_ = Vector3::UnitZ();
+      return;
+    }
+    Vector3 side = std::abs(axis_.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
+    if (joint_.kind == JointKind::universal) {
+      side = description_.second_axis.value_or(side);
+      if (!(std::abs(axis_.dot(side)) <= orthogonality * side.norm()) || side.isZero(0))
+        throw InputError(description_.place + ".second_axis", "a direction across axis",
+                         format_point(side, 3), "both axes of a universal joint are orthogonal");
+    }
+    along_ = (side - axis_ * axis_.dot(side)).normalized();
+    across_ = axis_.cross(along_);
+  }
+
+  void add_frames() {
+    const bool are_rigid = std::ranges::all_of(
+        bodies_, [](const Body* body) { return body == nullptr || body->rigid != nullptr; });
+    if (joint_.kind == JointKind::fixed || (joint_.kind == JointKind::ball && dim_ == 3) || !are_rigid)
+      return;
+    joint_.has_frames = true;
+    const auto frame = [&](const Body* body) {
+      const auto beside = [&](const Vector3& direction) {
+        const bool is_out_of_plane = dim_ == 2 && direction.z() != 0;
+        return point(body, is_out_of_plane ? Vector3(Vector3::Zero()) : Vector3(length_ * direction));
+      };
+      return Joint::Frame{.at = beside(Vector3::Zero()),
+                          .axis = beside(axis_),
+                          .along = beside(along_),
+                          .across = beside(across_)};
+    };
+    joint_.moved = frame(bodies_[1] != nullptr ? bodies_[1] : bodies_[0]);
+    joint_.fixed = frame(bodies_[1] != nullptr ? bodies_[0] : nullptr);
+  }
+
+  /// A point of both bodies stays one.
+  void join_points(const Vector3& arm) {
+    const CarriedPoint first = point(bodies_[0], arm), second = point(bodies_[1], arm);
+    joint_.rows.push_back({.arms = {{first, 1}}, .nodes = vector_between(second, first).nodes});
+  }
+  /// A direction of both bodies stays one.
+  void join_directions(const Vector3& direction) { joint_.rows.push_back(row_of_direction(direction)); }
+  Joint::Row row_of_direction(const Vector3& direction) const {
+    const auto arm = [&](const Body* body) {
+      return vector_between(point(body, Vector3::Zero()), point(body, length_ * direction));
+    };
+    return {.arms = {{point(bodies_[0], length_ * direction), 1}, {point(bodies_[0], Vector3::Zero()), -1}},
+            .nodes = vector_between(arm(bodies_[1]), arm(bodies_[0])).nodes};
+  }
+
+  void add_equations() {
+    switch (joint_.kind) {
+      case JointKind::ball:
+        return join_points(Vector3::Zero());
+      case JointKind::hinge:
+        join_points(Vector3::Zero());
+        if (dim_ == 3) join_points(length_ * axis_);
+        return;
+      case JointKind::fixed:
+        join_points(Vector3::Zero());
+        for (int k = 0; k < dim_; ++k) join_points(length_ * Vector3::Unit(k));
+        return;
+      case JointKind::slider:
+        for (int k = 0; k < dim_; ++k) join_directions(Vector3::Unit(k));
+        keep_beside(along_, joint_.fixed.along);
+        if (dim_ == 3) keep_beside(across_, joint_.fixed.across);
+        return;
+      case JointKind::cylindrical:
+        join_directions(axis_);
+        keep_beside(along_, joint_.fixed.along);
+        return keep_beside(across_, joint_.fixed.across);
+      case JointKind::planar:
+        join_directions(axis_);
+        return keep_beside(axis_, joint_.fixed.axis);
+      case JointKind::universal:
+        join_points(Vector3::Zero());
+        return keep_across();
+      case JointKind::distance:
+        return;
+    }
+  }
+
+  /// The second body goes nowhere in a direction that the first one carries, or the ground: then this is
+  /// linear.
+  /// @param end  the joint's length away in that direction
+  void keep_beside(const Vector3& direction, const CarriedPoint& end) {
+    if (bodies_[1] == nullptr) {
+      const CarriedPoint first = point(bodies_[0], Vector3::Zero());
+      add_row({.arms = {{first, 1}}, .nodes = first.nodes, .direction = direction});
+      return;
+    }
+    add_gap(JointCoordinate::travel(dim_, vector_between(joint_.fixed.at, joint_.moved.at),
+                                    vector_between(joint_.fixed.at, end, length_)));
+    joint_.held.push_back(
+        {.nodes = vector_between(joint_.fixed.at, joint_.moved.at).nodes, .direction = direction});
+  }
+  /// The second axis of a universal joint stays across the first.
+  void keep_across() {
+    if (bodies_[1] == nullptr) {
+      Joint::Row row = row_of_direction(along_);
+      row.direction = axis_;
+      add_row(std::move(row));
+      return;
+    }
+    add_gap(JointCoordinate::travel(dim_, vector_between(joint_.fixed.at, joint_.fixed.axis),
+                                    vector_between(joint_.moved.at, joint_.moved.along, length_)));
+    joint_.held.push_back(
+        {.nodes = vector_between(joint_.fixed.axis, joint_.moved.axis).nodes, .direction = along_});
+  }
+  void add_row(Joint::Row row) {
+    joint_.held.push_back({.nodes = row.nodes, .direction = *row.direction});
+    joint_.rows.push_back(std::move(row));
+  }
+  void add_gap(const JointCoordinate& coordinate) {
+    joint_.gaps.push_back(coordinate);
+    add(std::make_shared<JointSpring>(joint_.name, coordinate,
+                                      JointSpring::Law{.stiffness = force_stiffness_}));
+  }
+
+  /// Springs, stops, dampers and motors of a hinge or a slider.
+  void add_energies() {
+    const bool is_hinge = joint_.kind == JointKind::hinge;
+    if (!is_hinge && joint_.kind != JointKind::slider) return;
+    const JointCoordinate coordinate =
+        is_hinge ? JointCoordinate::angle(dim_, vector_between(joint_.moved.at, joint_.moved.along, length_),
+                                          vector_between(joint_.fixed.at, joint_.fixed.along, length_),
+                                          vector_between(joint_.fixed.at, joint_.fixed.across, length_))
+                 : JointCoordinate::travel(dim_, vector_between(joint_.fixed.at, joint_.moved.at),
+                                           vector_between(joint_.fixed.at, joint_.fixed.axis, length_));
+    const double stiffness = force_stiffness_ * (is_hinge ? length_ * length_ : 1);
+    const auto add_law = [&](JointSpring::Law law) {
+      add(std::make_shared<JointSpring>(joint_.name, coordinate, std::move(law)));
+    };
+    bool is_held = false;
+    if (description_.stiffness > 0) {
+      add_law({.stiffness = description_.stiffness, .rest = description_.rest});
+      is_held = true;
+    }
+    if (!description_.limits.empty())
+      add_law({.stiffness = stiffness, .limits = {{description_.limits[0], description_.limits[1]}}});
+    if (description_.damping > 0) {
+      auto damper = std::make_shared<JointDamper>(joint_.name, coordinate, description_.damping);
+      joint_.damper = damper;
+      add(std::move(damper));
+    }
+    if (description_.motor) {
+      const MotorDescription& motor = *description_.motor;
+      MotorGoal goal{motor.position, motor.velocity.value_or(0), motor.time_function};
+      const double own = motor.stiffness.value_or(stiffness);
+      is_held = is_held || !motor.effort;
+      if (motor.effort) {
+        add_law({.effort = motor.effort, .goal = std::move(goal), .is_motor = true});
+      } else if (is_hinge) {
+        add(std::make_shared<Motor>(joint_.name, dim_,
+                                    Motor::Arms{.turned = joint_.moved.along,
+                                                .centre = joint_.fixed.at,
+                                                .along = joint_.fixed.along,
+                                                .across = joint_.fixed.across},
+                                    length_, own, std::move(goal)));
+      } else {
+        add_law({.stiffness = own, .goal = std::move(goal), .is_motor = true});
+      }
+    }
+    if (!is_held) return;
+    if (is_hinge)
+      joint_.held.push_back(
+          {.nodes = vector_between(joint_.fixed.along, joint_.moved.along).nodes, .direction = across_});
+    else
+      joint_.held.push_back(
+          {.nodes = vector_between(joint_.fixed.at, joint_.moved.at).nodes, .direction = axis_});
+  }
+
+  /// Where bodies start with velocities that the joint does not allow.
+  void check_velocities() const {
+    if (!world_.is_dynamic) return;
+    const auto refuse = [&](double difference) {
+      throw InputError(description_.place, "bodies that start with one velocity at the joint",
+                       "velocities that differ by " + format_short(difference) + " m/s",
                        "give both bodies velocity and velocity_gradient of one motion");
+    };
+    for (const Joint::Row& row : joint_.rows) {
+      Vector3 sum = Vector3::Zero();
+      double size = 0;
+      for (const auto& [node, weight] : row.nodes) {
+        const Vector3 v = weight * node_position(dim_, node, world_.start_velocities);
+        sum += v;
+        size = std::max(size, v.norm());
+      }
+      const double difference = row.direction ? std::abs(sum.dot(*row.direction)) : sum.norm();
+      if (difference > agreement_of_velocities * size) refuse(difference);
+    }
+    const double largest = world_.start_velocities.cwiseAbs().maxCoeff();
+    for (const JointCoordinate& gap : joint_.gaps)
+      if (const double rate = std::abs(gap.rate(world_.rest_positions, world_.start_velocities));
+          rate > agreement_of_velocities * largest)
+        refuse(rate);
+  }
+
+  const JointDescription& description_;
+  World& world_;
+  std::vector<std::shared_ptr<Energy>>& terms_;
+  int dim_;
+  std::vector<const Body*> bodies_;
+  double length_;
+  double force_stiffness_;  ///< [N/m]
+  Vector3 axis_ = Vector3::UnitZ(), along_ = Vector3::UnitX(), across_ = Vector3::UnitY();
+  Joint joint_{};
+};
+
+/// The angle about an axis from v on to w [rad].
+double angle_between(const Vector3& along, const Vector3& across, const Vector3& w) {
+  return std::atan2(w.dot(across), w.dot(along));
+}
+
+/// Value of a joint, and its second one.
+void measure(const Joint& joint, int dim, const VectorX& x, JointForce& force) {
+  if (joint.distance) {
+    force.value = joint.distance->length(x);
+    force.gap = std::abs(force.value - joint.rest_distance);
+  }
+  if (!joint.has_frames) return;
+  struct Axes {
+    Vector3 at, axis, along, across;
+  };
+  const auto axes = [&](const Joint::Frame& frame) {
+    const Vector3 at = frame.at.at(dim, x);
+    const auto direction = [&](const CarriedPoint& end) {
+      return Vector3((end.at(dim, x) - at) / joint.length);
+    };
+    return Axes{at, direction(frame.axis), direction(frame.along), direction(frame.across)};
+  };
+  const Axes moved = axes(joint.moved), fixed = axes(joint.fixed);
+  const double turn = angle_between(fixed.along, fixed.across, moved.along);
+  const Vector3 way = moved.at - fixed.at;
+  switch (joint.kind) {
+    case JointKind::slider:
+      force.value = way.dot(fixed.axis);
+      return;
+    case JointKind::cylindrical:
+      force.value = way.dot(fixed.axis);
+      force.angle = turn;
+      return;
+    case JointKind::planar:
+      force.value = (way - fixed.axis * way.dot(fixed.axis)).norm();
+      force.angle = turn;
+      return;
+    case JointKind::universal:
+      force.value = turn;
+      force.angle = angle_between(moved.axis, moved.across, fixed.axis);
+      return;
+    default:
+      force.value = turn;
   }
 }
 
-/// The angle between both frames of a joint about its axis [rad].
-double angle_of(const Joint& joint, int dim, const VectorX& x) {
-  const auto direction = [&](const CarriedPoint& to, const CarriedPoint& from) {
-    return Vector3(to.at(dim, x) - from.at(dim, x));
-  };
-  const Vector3 turned = direction(joint.turned.along, joint.turned.at);
-  const Vector3 along = direction(joint.fixed.along, joint.fixed.at);
-  const Vector3 across = direction(joint.fixed.across, joint.fixed.at);
-  return std::atan2(turned.dot(across), turned.dot(along));
+/// By how much the equations and the stiff energies let a joint open [m].
+double gap_of(const Joint& joint, int dim, const VectorX& rest_positions, const VectorX& x) {
+  double gap = 0;
+  for (const Joint::Row& row : joint.rows) {
+    Vector3 sum = Vector3::Zero();
+    for (const auto& [node, weight] : row.nodes)
+      sum += weight * (node_position(dim, node, x) - node_position(dim, node, rest_positions));
+    gap = std::max(gap, row.direction ? std::abs(sum.dot(*row.direction)) : sum.norm());
+  }
+  for (const JointCoordinate& each : joint.gaps) gap = std::max(gap, std::abs(each.value(x)));
+  return gap;
 }
 
-/// Force of a motor on the body that it turns [N]: it pulls at a point beside the axis.
-Vector3 force_of_motor(const Joint& joint, int dim, const VectorX& x, const Conditions& conditions) {
-  const Vector3 center = joint.fixed.at.at(dim, x);
-  const Vector3 along = joint.fixed.along.at(dim, x) - center,
-                across = joint.fixed.across.at(dim, x) - center;
-  const double angle = joint.motor->angle(conditions);
-  const Vector3 goal = center + std::cos(angle) * along + std::sin(angle) * across;
-  return joint.motor->stiffness() / (joint.radius * joint.radius) * (goal - joint.turned.along.at(dim, x));
-}
-
-/// The multipliers of all equations of joints: a sum over points and components c lambda that is f at all
+/// The multipliers of all equations of joints: a sum over rows and components c lambda that is f at all
 /// nodes, the shortest where several are.
 std::vector<Vector3> multipliers(const World& world, const VectorX& forces) {
-  std::vector<const Joint::Point*> points;
+  std::vector<const Joint::Row*> rows;
   for (const Joint& joint : world.joints)
-    for (const Joint::Point& point : joint.points) points.push_back(&point);
-  std::map<Index, Eigen::Index> column_of;
-  for (const Joint::Point* point : points)
-    for (const WeightedNode& each : point->nodes)
-      column_of.emplace(each.node, static_cast<Eigen::Index>(column_of.size()));
-  const auto count = static_cast<Eigen::Index>(points.size());
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(column_of.size()));
-  for (Eigen::Index i = 0; i < count; ++i)
-    for (const auto& [node, weight] : points[static_cast<std::size_t>(i)]->nodes)
-      C(i, column_of.at(node)) += weight;
-  Eigen::MatrixXd f = Eigen::MatrixXd::Zero(C.cols(), 3);
-  for (const auto& [node, column] : column_of)
-    f.row(column) = node_position(world.dimension, node, forces).transpose();
+    for (const Joint::Row& row : joint.rows) rows.push_back(&row);
+  std::map<Index, Eigen::Index> number_of;
+  for (const Joint::Row* row : rows)
+    for (const WeightedNode& each : row->nodes)
+      number_of.emplace(each.node, static_cast<Eigen::Index>(number_of.size()));
+  // Without rows in one direction all components have one and the same matrix.
+  const bool is_mixed =
+      std::ranges::any_of(rows, [](const Joint::Row* row) { return row->direction.has_value(); });
+  const Eigen::Index width = is_mixed ? 3 : 1;
+  const auto num_nodes = static_cast<Eigen::Index>(number_of.size());
+  std::vector<Eigen::Index> begin = {0};
+  for (const Joint::Row* row : rows) begin.push_back(begin.back() + (row->direction ? 1 : width));
+  const Eigen::Index count = begin.back();
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(count, num_nodes * width);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const auto& [node, weight] : rows[i]->nodes) {
+      const Eigen::Index column = number_of.at(node) * width;
+      if (rows[i]->direction) {
+        C.block<1, 3>(begin[i], column) += weight * rows[i]->direction->transpose();
+      } else {
+        C.block(begin[i], column, width, width).diagonal().array() += weight;
+      }
+    }
+  Eigen::MatrixXd f = Eigen::MatrixXd::Zero(C.cols(), 3 / width);
+  for (const auto& [node, number] : number_of) {
+    const Vector3 force = node_position(world.dimension, node, forces);
+    if (is_mixed)
+      f.block<3, 1>(3 * number, 0) = force;
+    else
+      f.row(number) = force.transpose();
+  }
   const dense::Eigenpairs eigen = dense::symmetric_eigenpairs(C * C.transpose());
-  Eigen::MatrixXd lambda = Eigen::MatrixXd::Zero(count, 3);
+  Eigen::MatrixXd lambda = Eigen::MatrixXd::Zero(count, f.cols());
   const Eigen::MatrixXd right = eigen.vectors.transpose() * (C * f);
   for (Eigen::Index k = 0; k < count; ++k)
     if (eigen.values[k] > 1e-12 * eigen.values[count - 1])
       lambda += eigen.vectors.col(k) * right.row(k) / eigen.values[k];
   std::vector<Vector3> found;
-  for (Eigen::Index i = 0; i < count; ++i) found.emplace_back(lambda.row(i).transpose());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i]->direction)
+      found.emplace_back(lambda(begin[i], 0) * *rows[i]->direction);
+    else if (is_mixed)
+      found.emplace_back(lambda.block<3, 1>(begin[i], 0));
+    else
+      found.emplace_back(lambda.row(begin[i]).transpose());
+  }
   return found;
+}
+
+/// Adds what the energies of a joint exert on its first body.
+/// @param gradient  zero at the nodes of the joint's bodies, before and after
+void add_forces_of_energies(const World& world, const Joint& joint, const Conditions& conditions,
+                            const State& state, VectorX& gradient, JointForce& force) {
+  for (const auto& term : joint.terms) term->add_gradient(state.positions, conditions, gradient);
+  if (joint.damper && world.is_dynamic)
+    joint.damper->add_gradient_in_motion(state.positions, state.velocities, gradient);
+  const int dim = world.dimension;
+  const Vector3 at = joint.at.at(dim, state.positions);
+  for (const std::size_t number : joint.bodies) {
+    const Body& body = world.bodies[number];
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node) {
+      const Vector3 pull = -node_position(dim, node, gradient);
+      gradient.segment(Eigen::Index{node} * dim, dim).setZero();
+      if (number != joint.bodies.front()) continue;
+      force.force += pull;
+      force.moment += (node_position(dim, node, state.positions) - at).cross(pull);
+    }
+  }
 }
 
 }  // namespace
 
-Joint make_joint(const JointDescription& description, World& world) {
-  const int dim = world.dimension;
-  const std::vector<const Body*> bodies = bodies_of(description, world);
-  const std::string& place = description.place;
-  const double extent = extent_of_joint(world, bodies);
-  Joint joint{.name = description.name, .kind = description.kind};
-  joint.at = carried(world, bodies[0], description.at, place + ".at");
-  if (description.kind == JointKind::distance) return joint;
-  const auto add_point = [&](const Vector3& arm) {
-    const CarriedPoint first = carried(world, bodies[0], description.at + arm, place + ".at");
-    const CarriedPoint second = carried(world, bodies[1], description.at + arm, place + ".at");
-    joint.points.push_back({.place = first, .nodes = difference_of(first, second)});
-  };
-  add_point(Vector3::Zero());
-  Vector3 axis = Vector3::UnitZ();
-  if (description.kind == JointKind::hinge && dim == 3) {
-    if (!(description.axis.norm() > 0))
-      throw InputError(place + ".axis", "a vector that is not zero", "[0, 0, 0]");
-    axis = description.axis.normalized();
-    add_point(extent * axis);
-  }
-  if (description.kind == JointKind::fixed)
-    for (int k = 0; k < dim; ++k) add_point(extent * Vector3::Unit(k));
-  if (description.kind == JointKind::hinge || (dim == 2 && description.kind == JointKind::ball)) {
-    const bool are_rigid = std::ranges::all_of(
-        bodies, [](const Body* body) { return body == nullptr || body->rigid != nullptr; });
-    if (are_rigid) {
-      joint.has_angle = true;
-      joint.radius = extent;
-      const Vector3 side = std::abs(axis.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
-      const Vector3 along = (side - axis * axis.dot(side)).normalized(), across = axis.cross(along);
-      const auto frame = [&](const Body* body) {
-        const auto point = [&](const Vector3& direction) {
-          return carried(world, body, description.at + extent * direction, place + ".at");
-        };
-        return Joint::Frame{.at = point(Vector3::Zero()),
-                            .axis = point(dim == 3 ? axis : Vector3(Vector3::Zero())),
-                            .along = point(along),
-                            .across = point(across)};
-      };
-      joint.turned = frame(bodies[1] != nullptr ? bodies[1] : bodies[0]);
-      joint.fixed = frame(bodies[1] != nullptr ? bodies[0] : nullptr);
-    }
-  }
-  check_velocities(description, world, joint);
-  return joint;
-}
-
-std::shared_ptr<Energy> make_joint_term(const JointDescription& description, World& world, Joint& joint) {
-  const int dim = world.dimension;
-  const std::vector<const Body*> bodies = bodies_of(description, world);
-  const double modulus = modulus_of_joint(bodies), extent = extent_of_joint(world, bodies);
-  if (description.kind == JointKind::distance) {
-    const Vector3 to = description.to.value_or(description.at);
-    const double length = (to - description.at).norm();
-    if (!(length > 0))
-      throw InputError(description.place + ".to", "another point than `at`", "the same",
-                       "take kind = \"ball\" for points that stay together");
-    const CarriedPoint second = carried(world, bodies[1], to, description.place + ".to");
-    const double stiffness = modulus * (dim == 3 ? extent : 1);
-    auto term = std::make_shared<Cable>(description.name, dim, std::vector<CarriedPoint>{joint.at, second},
-                                        Cable::Law{.stiffness = stiffness, .rest_length = length});
-    joint.distance = term;
-    return term;
-  }
-  if (!description.motor) return nullptr;
-  const MotorDescription& motor = *description.motor;
-  const double stiffness = motor.stiffness.value_or(modulus * (dim == 3 ? extent : 1) * extent * extent);
-  auto term = std::make_shared<Motor>(description.name, dim,
-                                      Motor::Arms{.turned = joint.turned.along,
-                                                  .centre = joint.fixed.at,
-                                                  .along = joint.fixed.along,
-                                                  .across = joint.fixed.across},
-                                      joint.radius, stiffness, motor.position, motor.time_function);
-  joint.motor = term;
-  return term;
+Joint make_joint(const JointDescription& description, World& world,
+                 std::vector<std::shared_ptr<Energy>>& terms) {
+  return JointMaker(description, world, terms).make();
 }
 
 std::shared_ptr<Cable> make_cable(const CableDescription& description, World& world) {
   std::vector<CarriedPoint> points;
   for (const AnchorDescription& point : description.points) {
     const Body* body =
-        point.body.empty() ? nullptr : &body_of_joint(world, point.body, point.place + ".body");
+        point.body.empty() ? nullptr : &world.bodies[find_body(world, point.body, point.place + ".body")];
     points.push_back(carried(world, body, point.at, point.place));
   }
   if (std::ranges::all_of(points, [](const CarriedPoint& point) { return point.nodes.empty(); }))
@@ -243,37 +495,28 @@ std::shared_ptr<Cable> make_cable(const CableDescription& description, World& wo
 }
 
 std::vector<JointForce> joint_forces(const World& world, const Conditions& conditions,
-                                     const VectorX& gradient, const VectorX& positions) {
+                                     const VectorX& gradient, const State& state) {
   std::vector<JointForce> found;
   if (world.joints.empty()) return found;
   const int dim = world.dimension;
   std::vector<Vector3> lambda;
   if (world.constraints) lambda = multipliers(world, -world.constraints->forces(gradient));
+  VectorX of_energies = VectorX::Zero(gradient.size());
   std::size_t next = 0;
   for (const Joint& joint : world.joints) {
     JointForce force{.name = joint.name};
-    const Vector3 at = joint.at.at(dim, positions);
-    for (const Joint::Point& point : joint.points) {
+    const Vector3 at = joint.at.at(dim, state.positions);
+    for (const Joint::Row& row : joint.rows) {
       const Vector3 pull = next < lambda.size() ? lambda[next] : Vector3(Vector3::Zero());
       ++next;
-      force.force += pull;
-      force.moment += (point.place.at(dim, positions) - at).cross(pull);
+      for (const auto& [place, weight] : row.arms) {
+        force.force += weight * pull;
+        force.moment += weight * (place.at(dim, state.positions) - at).cross(pull);
+      }
     }
-    if (joint.distance) {
-      force.value = joint.distance->length(positions);
-      force.force = joint.distance->force(positions, conditions) * joint.distance->first_direction(positions);
-    }
-    if (joint.has_angle) force.value = angle_of(joint, dim, positions);
-    if (joint.motor) {
-      const Vector3 axis =
-          dim == 2
-              ? Vector3(Vector3::UnitZ())
-              : Vector3(joint.fixed.axis.at(dim, positions) - joint.fixed.at.at(dim, positions)).normalized();
-      const double torque = joint.motor->stiffness() * std::sin(joint.motor->angle(conditions) - force.value);
-      const double sign = joint.fixed.at.nodes.empty() ? 1 : -1;  // the first body turns, or the second one
-      force.moment += sign * torque * axis;
-      force.force += sign * force_of_motor(joint, dim, positions, conditions);
-    }
+    if (!joint.terms.empty()) add_forces_of_energies(world, joint, conditions, state, of_energies, force);
+    measure(joint, dim, state.positions, force);
+    force.gap = std::max(force.gap, gap_of(joint, dim, world.rest_positions, state.positions));
     found.push_back(std::move(force));
   }
   return found;

@@ -116,7 +116,6 @@ class Builder {
   void build();
 
  private:
-  std::size_t find_body(const std::string& name, const std::string& place) const;
   void add_body(const BodyDescription& body);
   void add_support(std::size_t number);
   void add_load(std::size_t number);
@@ -223,15 +222,6 @@ void Builder::find_oddities() {
                                 "; every frame will be the start");
 }
 
-std::size_t Builder::find_body(const std::string& name, const std::string& place) const {
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
-    if (world_.bodies[b].name == name || (name.empty() && world_.bodies.size() == 1)) return b;
-    names.push_back(world_.bodies[b].name);
-  }
-  throw InputError(place + ".body", "one of " + join(names), name.empty() ? "nothing" : "\"" + name + "\"");
-}
-
 void Builder::add_body(const BodyDescription& description) {
   for (const Body& other : world_.bodies) {
     if (other.name == description.name) {
@@ -281,7 +271,7 @@ void Builder::add_body(const BodyDescription& description) {
 
 void Builder::add_support(std::size_t number) {
   const FixDescription& fix = description_.fixes[number];
-  const std::size_t b = find_body(fix.body, fix.place);
+  const std::size_t b = find_body(world_, fix.body, fix.place + ".body");
   const Body& body = world_.bodies[b];
   const std::string where = fix.place + ".where";
   std::vector<Index> nodes;
@@ -316,7 +306,7 @@ void Builder::add_support(std::size_t number) {
 
 void Builder::add_load(std::size_t number) {
   const LoadDescription& load = description_.loads[number];
-  const std::size_t b = find_body(load.body, load.place);
+  const std::size_t b = find_body(world_, load.body, load.place + ".body");
   coupling_.push_back(make_load(load, world_, world_.bodies[b], meshes_[b].mesh,
                                 part_ == nullptr ? nullptr : &part_->loads[number]));
 }
@@ -327,12 +317,12 @@ void Builder::add_probe(std::size_t number) {
     world_.probes.push_back({.name = probe.name, .node = part_->probes[number]});
     return;
   }
-  const Body& body = world_.bodies[find_body(probe.body, probe.place)];
+  const Body& body = world_.bodies[find_body(world_, probe.body, probe.place + ".body")];
   world_.probes.push_back(find_probe(probe, body, world_));
 }
 
 void Builder::add_section(const SectionDescription& section) {
-  const Body& body = world_.bodies[find_body(section.body, section.place)];
+  const Body& body = world_.bodies[find_body(world_, section.body, section.place + ".body")];
   if (body.rigid)
     throw InputError(section.place + ".body", "a deformable body", "the rigid body \"" + body.name + '"');
   world_.sections.emplace_back(section, body, world_.dimension, world_.rest_positions);
@@ -345,9 +335,10 @@ void Builder::note_origin(const TermOrigin& origin) { world_.origins.resize(worl
 void Builder::add_joints() {
   for (std::size_t i = 0; i < description_.joints.size(); ++i) {
     const JointDescription& joint = description_.joints[i];
-    world_.joints.push_back(make_joint(joint, world_));
-    if (std::shared_ptr<Energy> term = make_joint_term(joint, world_, world_.joints.back()))
-      add_coupled(std::move(term), {TermOrigin::Kind::joint, i});
+    std::vector<std::shared_ptr<Energy>> terms;
+    world_.joints.push_back(make_joint(joint, world_, terms));
+    for (std::size_t k = 0; k < terms.size(); ++k)
+      add_coupled(std::move(terms[k]), {TermOrigin::Kind::joint, i, k});
   }
   const auto add = [&](const std::vector<CableDescription>& list, TermOrigin::Kind kind) {
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -531,6 +522,15 @@ std::vector<std::string> names_of_terms(const World& world, EnergyCategory categ
   for (const auto& term : world.terms)
     if (term->properties().category == category) names.emplace_back(term->name());
   return names;
+}
+
+std::size_t find_body(const World& world, const std::string& name, const std::string& place) {
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (world.bodies[b].name == name || (name.empty() && world.bodies.size() == 1)) return b;
+    names.push_back(world.bodies[b].name);
+  }
+  throw InputError(place, "one of " + join(names), name.empty() ? "nothing" : "\"" + name + "\"");
 }
 
 std::optional<std::size_t> World::find_term(const TermOrigin& of) const {

@@ -65,7 +65,7 @@ struct TermOrigin {
     contact,
     friction,
     inertia,
-    joint,  ///< distance or motor of a joint
+    joint,  ///< a term of a joint; `domain` is its number there
     spring,
     cable,
     viscous_damping,  ///< viscous damping of a domain
@@ -84,6 +84,12 @@ struct Reach {
   double low, high;
   double length() const { return high - low; }
 };
+
+class World;
+
+/// The number of the body with this name, or of the only one where no name is given. Throws InputError, which
+/// begins with `place`, where there is none.
+std::size_t find_body(const World& world, const std::string& name, const std::string& place);
 
 /// Reach of all nodes of the body, at the positions of all bodies (`dim` numbers per node).
 Reach reach_along(int axis, const Body& body, const VectorX& positions, int dim);
