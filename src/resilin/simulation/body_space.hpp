@@ -160,7 +160,7 @@ class BodySpace {
   /// Values of functions or of gradients in a chunk of cells: a column for each cell and direction.
   using Columns = dense::Matrix;
 
-  /// What a mixed element adds in a cell, over the functions and then the nodes.
+  /// Terms that a mixed element adds in a cell, over the functions and then the nodes.
   struct Pressures {
     VectorX volume;                                ///< gradient of the integral of J
     Eigen::Matrix<double, dim, Eigen::Dynamic> G;  ///< gradients of the integrals of phi_k J
@@ -256,7 +256,7 @@ class BodySpace {
   dense::Matrix slopes_;             ///< dN/dxi of the richer functions: a row for each point and coordinate
   dense::Matrix nodal_slopes_;       ///< the same of the element's functions
   dense::Matrix outer_slopes_;       ///< products of slopes of each richer function: rows by point, J, L
-  dense::Matrix values_;             ///< of the richer functions, a row for each point
+  dense::Matrix values_;             ///< values of the richer functions, a row for each point
   /// [cell][point][i, J][k, L]: pulled back to the reference cell, with the weights. An estimate needs no
   /// more than single precision, except beside the pressures of a nearly incompressible solid.
   std::vector<float> tangents_;
