@@ -90,10 +90,10 @@ TEST_F(ServedLiveSceneTest, SendsTheVectorsOfAFieldAsArrows) {
   const auto velocity = static_cast<std::size_t>(std::ranges::find(names, "velocity") - names.begin());
   ASSERT_LT(velocity, names.size());
   EXPECT_TRUE(frame().arrows.empty());
-  run(1);
-  const Vector3 before = vertex(top());
-  run(1);
   const std::uint32_t v = top();
+  run(1);
+  const Vector3 before = vertex(v);
+  run(1);
   const DecodedFrame shown = decode_frame(scene.frame(++number, 0, {.field = {}, .arrows = velocity}, 1));
   EXPECT_TRUE(shown.field.empty());
   EXPECT_EQ(shown.arrows_number, velocity);
