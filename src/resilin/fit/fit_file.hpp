@@ -38,6 +38,8 @@ SceneFitDescription read_scene_fit_from_values(SceneValue values, const std::str
 std::string fit_reference();
 
 // test_table.cpp
+/// Numbers of a list, or of an array with one column.
+std::vector<double> read_column(const SceneNode& node);
 MaterialTest read_material_test(const SceneNode& node);
 TableDoc material_test_doc();
 

@@ -73,17 +73,6 @@ void take_columns(const SceneNode& node, RelaxationDescription& r) {
   }
 }
 
-std::vector<double> read_numbers_of(const SceneNode& node) {
-  if (const auto* numbers = std::get_if<SceneValue::Numbers>(&node.value->data)) {
-    if ((*numbers)->num_columns != 1) node.fail("a list of numbers");
-    return (*numbers)->values;
-  }
-  expect_list(node, "numbers");
-  std::vector<double> values;
-  for (std::size_t i = 0; i < node.value->array().size(); ++i) values.push_back(read_number(node.element(i)));
-  return values;
-}
-
 Keys<RelaxationDescription> relaxation_keys() {
   using R = RelaxationDescription;
   Keys<R> keys = {key<R>({"file", "text", "", "none",
@@ -93,14 +82,14 @@ Keys<RelaxationDescription> relaxation_keys() {
   for (const RelaxationColumn& column : relaxation_columns())
     keys.push_back(
         key<R>({column.name, "list of numbers", column.unit, "a column of the file", column.text},
-               [values = column.values](const SceneNode& node, R& r) { r.*values = read_numbers_of(node); }));
+               [values = column.values](const SceneNode& node, R& r) { r.*values = read_column(node); }));
   keys.push_back(integer_key("branches", &R::branches, Range{.min = 0, .max = 100},
                              "Number of relaxation times, evenly over the logarithm of time; 0: one for each "
                              "decade of the data."));
   keys.push_back(key<R>({"tau", "list of numbers > 0", "s", "evenly over the data",
                          "Relaxation times, in place of branches. Those that do not help get no share."},
                         [](const SceneNode& node, R& r) {
-                          r.tau = read_numbers_of(node);
+                          r.tau = read_column(node);
                           for (const double tau : r.tau)
                             if (!(tau > 0 && std::isfinite(tau))) node.fail("relaxation times > 0 s");
                         }));

@@ -25,18 +25,8 @@ void read_column_names(const SceneNode& node, RawTest& test) {
   expect_table(node);
   refuse_unknown_keys(node, all_spellings<ColumnRole>());
   for (const SceneMember& member : node.value->table())
-    test.columns[*find_spelled<ColumnRole>(member.key)] = read_text(node.child(member.key));
-}
-
-std::vector<double> read_column(const SceneNode& node) {
-  if (const auto* numbers = std::get_if<SceneValue::Numbers>(&node.value->data)) {
-    if ((*numbers)->num_columns != 1) node.fail("a list of numbers");
-    return (*numbers)->values;
-  }
-  expect_list(node, "numbers");
-  std::vector<double> values;
-  for (std::size_t i = 0; i < node.value->array().size(); ++i) values.push_back(read_number(node.element(i)));
-  return values;
+    if (const std::optional<ColumnRole> role = find_spelled<ColumnRole>(member.key))
+      test.columns[*role] = read_text(node.child(member.key));
 }
 
 Key<RawTest> list_key(ColumnRole role, const char* unit, const char* text) {
@@ -102,6 +92,17 @@ Keys<RawTest> material_test_keys() {
 }
 
 }  // namespace
+
+std::vector<double> read_column(const SceneNode& node) {
+  if (const auto* numbers = std::get_if<SceneValue::Numbers>(&node.value->data)) {
+    if ((*numbers)->num_columns != 1) node.fail("a list of numbers");
+    return (*numbers)->values;
+  }
+  expect_list(node, "numbers");
+  std::vector<double> values;
+  for (std::size_t i = 0; i < node.value->array().size(); ++i) values.push_back(read_number(node.element(i)));
+  return values;
+}
 
 MaterialTest read_material_test(const SceneNode& node) {
   RawTest raw;

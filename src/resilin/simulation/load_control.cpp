@@ -8,6 +8,7 @@
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/jump.hpp"
 #include "resilin/simulation/potential.hpp"
+#include "resilin/simulation/prescribed_motion.hpp"
 #include "resilin/simulation/slide.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/world/friction.hpp"
@@ -84,8 +85,7 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
   // Where bodies creep, they lose strain energy without a jump.
   if (is_linear(world) || state.step == 0 || world.keeps_history()) return std::nullopt;
   const auto find = [&](const Equilibrium& from, double at) -> std::optional<Equilibrium> {
-    Conditions conditions = world.at_load(at);
-    conditions.delay = conditions.time - world.at_load(from.load).time;
+    const Conditions conditions = conditions_of_increment(world, from.load, at);
     Potential potential = Potential::in_stage(
         world, state, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
     VectorX targets = from.positions;
@@ -164,8 +164,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   Equilibrium near;  // from where springs have led bodies that friction holds
   while (true) {
     const double load = next_load(world, state);
-    Conditions conditions = world.at_load(load);
-    conditions.delay = conditions.time - world.at_load(state.load).time;
+    const Conditions conditions = conditions_of_increment(world, state.load, load);
     const double load_time = world.end_time * (load - state.load);
     Potential potential =
         Potential::in_stage(world, state, conditions, static_stage(state.positions, load_time));

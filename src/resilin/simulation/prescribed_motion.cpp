@@ -42,6 +42,12 @@ void prescribe_motion(const World& world, const State& start, double time_step, 
   }
 }
 
+Conditions conditions_of_increment(const World& world, double from, double to) {
+  Conditions conditions = world.at_load(to);
+  conditions.delay = conditions.time - world.at_load(from).time;
+  return conditions;
+}
+
 void follow_prescribed(const World& world, const Motion& prescribed, Stage& stage) {
   for (Eigen::Index i = 0; i < prescribed.positions.size(); ++i) {
     if (world.is_fixed[static_cast<std::size_t>(i)] == 0) continue;

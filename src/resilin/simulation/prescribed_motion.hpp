@@ -15,6 +15,10 @@ void prescribe_motion_at(const World& world, double time, Motion& motion);
 void prescribe_motion(const World& world, const State& start, double time_step, const Stage& stage,
                       Motion& motion);
 
+/// The conditions at the end of a static increment from one load factor to another: moving colliders have its
+/// whole way before them.
+Conditions conditions_of_increment(const World& world, double from, double to);
+
 /// Lets the stage give the fixed unknowns their prescribed velocities and accelerations.
 void follow_prescribed(const World& world, const Motion& prescribed, Stage& stage);
 

@@ -80,8 +80,7 @@ std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton,
                                              double load, const NewtonObserver& observer,
                                              NewtonReport& counts) {
   if (!world.friction || !world.share.is_whole() || world.constraints) return std::nullopt;
-  Conditions conditions = world.at_load(load);
-  conditions.delay = conditions.time - world.at_load(state.load).time;
+  const Conditions conditions = conditions_of_increment(world, state.load, load);
   const Stage stage = static_stage(state.positions, world.end_time * (load - state.load));
   const std::vector<Held> all =
       bodies_to_hold(world, Potential::in_stage(world, state, conditions, stage), state.positions);
