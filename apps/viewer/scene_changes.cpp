@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "resilin/material/law_sum.hpp"
+
 namespace resilin::viewer {
 namespace {
 
@@ -118,6 +120,7 @@ void write_material(SceneValue& scene, const SceneChanges& changes, bool writes_
     if (!writes_all && changes.materials[b] == changes.first_materials[b]) continue;
     const MaterialDescription& before = changes.before->bodies[b].material;
     const MaterialDescription after = material_of(changes.materials[b], before);
+    if (is_sum(require_law(after.law, place))) continue;  // as it was
     set_value(scene, body_key(b) + ".material.law", value_of(after.law), place);
     SceneValue::Table& table = scene.find("body")->array()[b].find("material")->table();
     std::erase_if(table, [&](const SceneMember& member) {
@@ -125,7 +128,7 @@ void write_material(SceneValue& scene, const SceneChanges& changes, bool writes_
       const bool is_of_cells = before.cell_constants.contains(member.key);
       const bool is_dropped = is_constant || (is_of_cells && !after.cell_constants.contains(member.key));
       return is_dropped || after.constants.contains(member.key) ||
-             (member.key == "fibres" && after.fibres.empty());
+             (member.key == "fibres" && after.fibres.empty()) || member.key == "sum";
     });
     for (const auto& [name, value] : after.constants) table.push_back({name, value_of(value)});
   }

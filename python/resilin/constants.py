@@ -95,6 +95,7 @@ def unit_fibres(fibres: object, info: _core.LawInfo) -> NDArray[np.float64] | No
     if array.shape[-1] == 2:
         array = np.concatenate([array, np.zeros((*array.shape[:-1], 1))], axis=-1)
     length = np.linalg.norm(array, axis=-1, keepdims=True)
-    if not np.all(np.isfinite(length) & (length > 0)):
+    is_absent = (length == 0) & (" + " in info.name)  # a part of a sum may have fewer families than it could
+    if not np.all(np.isfinite(length) & (length > 0) | is_absent):
         refuse(f"{info.name}.fibres", "directions of finite length above 0", "one that has none")
-    return np.ascontiguousarray(array / length)
+    return np.ascontiguousarray(array / np.where(is_absent, 1, length))

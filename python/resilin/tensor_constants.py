@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Arrays = Mapping[str, NDArray[np.float64]]
     Tensors = Mapping[str, torch.Tensor]
-    Conversion = Mapping[str, tuple[torch.Tensor, torch.Tensor, torch.Tensor]]
+    Conversion = Mapping[str, tuple[torch.Tensor, ...]]
 
 
 class TensorConstants:
@@ -60,8 +60,10 @@ class TensorConstants:
         mu = young / (2 * (1 + poisson))
         lame_lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
         return [
-            tensors[name] if name in tensors else base + by_mu * mu + by_lambda * lame_lambda
-            for name, (base, by_mu, by_lambda) in self._conversion.items()
+            tensors[name]
+            if name in tensors
+            else base + by_mu * mu + by_lambda * lame_lambda + by_young * young + by_poisson * poisson
+            for name, (base, by_mu, by_lambda, by_young, by_poisson) in self._conversion.items()
         ]
 
     def numbers(self) -> dict[str, NDArray[np.float64]] | None:
@@ -117,7 +119,8 @@ def split_constants(
 
 
 def _conversion_from_young_poisson(given: Arrays, tensors: Tensors, info: _core.LawInfo) -> Conversion:
-    """{own constant: (base, by_mu, by_lambda)}: own = base + by_mu mu + by_lambda lambda, for Hooke's mu and lambda."""
+    """{own constant: (base, by_mu, by_lambda, by_young, by_poisson)}: own = base + by_mu mu + by_lambda lambda, for
+    Hooke's mu and lambda, or Young's modulus or Poisson's ratio itself."""
     fallbacks = {constant.name: constant.fallback for constant in info.constants if constant.is_free}
     free = {name: np.array(1.0 if value is None else value) for name, value in fallbacks.items()}
     free.update((name, given[name]) for name in free.keys() & given.keys())
@@ -132,11 +135,20 @@ def _conversion_from_young_poisson(given: Arrays, tensors: Tensors, info: _core.
                 f"give {' and '.join(at_11)} in place of youngs_modulus and poissons_ratio",
             )
     conversion = {}
+    zero, one = (_tensor_of(value) for value in (0.0, 1.0))
     for name in at_11:
+        # Young's modulus and Poisson's ratio of mu = 1 and lambda = 1, 4; those of 2 and 2 are 5 and 1/4
+        samples = [at[name] for at in (at_11, at_14, at_22)]
+        if all(np.allclose(at, E, 1e-12, 0) for at, E in zip(samples, (2.5, 2.8, 5.0), strict=True)):
+            conversion[name] = zero, zero, zero, one, zero
+            continue
+        if all(np.allclose(at, nu, 1e-12, 0) for at, nu in zip(samples, (0.25, 0.4, 0.25), strict=True)):
+            conversion[name] = zero, zero, zero, zero, one
+            continue
         by_lambda = (at_14[name] - at_11[name]) / 3
         by_both = at_22[name] - at_11[name]
         base, by_mu = at_11[name] - by_both, by_both - by_lambda
-        conversion[name] = _tensor_of(base), _tensor_of(by_mu), _tensor_of(by_lambda)
+        conversion[name] = _tensor_of(base), _tensor_of(by_mu), _tensor_of(by_lambda), zero, zero
     return conversion
 
 

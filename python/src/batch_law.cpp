@@ -10,7 +10,9 @@
 
 #include "bindings.hpp"
 #include "plain_array.hpp"
+#include "resilin/core/error.hpp"
 #include "resilin/material/batch.hpp"
+#include "resilin/material/material_axes.hpp"
 
 namespace resilin::python {
 namespace {
@@ -40,6 +42,7 @@ class BatchLaw {
     is_uniform_ = is_uniform_ && fibres_->ndim() == 2;
     require((fibres_->ndim() == 2 || fibres_->ndim() == 3) && fibres_->shape(fibres_->ndim() - 1) == 3,
             "fibres: (families, 3) or (count, families, 3)");
+    refuse_parallel_axes();
   }
 
   void energy_densities(const Input& F, bool holds_H, const Output& psi) const {
@@ -129,6 +132,17 @@ class BatchLaw {
   }
 
  private:
+  void refuse_parallel_axes() const {
+    const std::size_t families = fibres_->shape(fibres_->ndim() - 2);
+    std::vector<Vector3> directions(families);
+    for (std::size_t first = 0; families > 0 && first < fibres_->size(); first += 3 * families) {
+      for (std::size_t k = 0; k < families; ++k)
+        directions[k] = Eigen::Map<const Vector3>(fibres_->data() + first + 3 * k);
+      if (has_parallel_axes(law_, directions))
+        throw InputError(std::string(law_.name) + ".fibres", axes_expected, "parallel ones", axes_cure);
+    }
+  }
+
   template <class Real>
   static std::size_t entries(const StateBatch<Real>& states) {
     return static_cast<std::size_t>(states.dim * states.dim);

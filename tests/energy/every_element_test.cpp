@@ -89,7 +89,8 @@ struct EveryElementEnergy : OnEveryElement {
   void for_every_law(const Check& check) const {
     const ElementMesh mesh(element, 2, 0.05);
     for (const char* name : {"neo_hookean", "stable_neo_hookean", "mooney_rivlin", "ogden", "linear_elastic",
-                             "holzapfel_gasser_ogden"}) {
+                             "holzapfel_gasser_ogden", "orthotropic", "fung_orthotropic",
+                             "ogden + neo_hookean_isochoric_log + holzapfel_gasser_ogden"}) {
       const LawInfo& law = *find_law(name);
       if (element.has_mean_volume && !law.has_volume_energy) continue;
       SCOPED_TRACE(name);

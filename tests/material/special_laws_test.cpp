@@ -28,6 +28,14 @@ TEST(VerondaWestmann, IsTheTextbookSolidInSimpleShear) {
   EXPECT_NEAR(P(0, 1), 2 * g * c1 * c2 * (std::exp(c2 * g * g) - 0.5), 1e-12);
 }
 
+TEST(Polynomial, IsItsSeriesInSimpleShear) {
+  const std::vector<double> c = {1, 0.3, -0.2, 0.07, 0.05, 0.011, 0.013, 0.017, 0.019, 100};
+  const double g = 0.9, x = g * g;
+  const double psi =
+      (c[0] + c[1]) * x + (c[2] + c[3] + c[4]) * x * x + (c[5] + c[6] + c[7] + c[8]) * x * x * x;
+  EXPECT_NEAR(energy_density<3>(material("polynomial", c), simple_shear(g)), psi, 1e-13);
+}
+
 /// Confined compression to the stretch l: I_C = 2 + l^2, II_C = 1 + 2 l^2, J = l.
 TEST(HolmesMow, IsTheTextbookSolidInConfinedCompression) {
   const double mu = 2, lambda = 1.5, b = 0.6, l = 0.7, M = lambda + 2 * mu;
@@ -67,6 +75,68 @@ TEST(ExponentialFibre, AddsItsFibresToNeoHookean) {
     EXPECT_NEAR(energy_density<3>(tissue, shortened),
                 energy_density<3>(material("neo_hookean", {2, 5}), shortened), 1e-13);
   }
+}
+
+/// Small strain: the compliances of a pull along each axis and of each shear.
+TEST(Orthotropic, HasTheGivenModuliAlongItsAxes) {
+  const std::vector<double> c = {1.0, 2.0, 3.0, 0.4, 0.5, 0.6, 0.3, 0.2, 0.1};
+  const Vector3 first = Vector3(1, 2, 0).normalized(), across(1, 0, 1);  // made perpendicular to the first
+  const Vector3 second = (across - across.dot(first) * first).normalized(), third = first.cross(second);
+  const TangentMatrix<3> A = stress_tangent<3>(material("orthotropic", c, {first, across.normalized()}),
+                                               Matrix<3>(Matrix<3>::Identity()));
+  Matrix<3> axes;
+  axes << first, second, third;
+  const auto stress = [&](const Matrix<3>& strain) {  // in the axes
+    const Matrix<3> eps = axes * strain * axes.transpose();
+    const Eigen::Map<const Eigen::Matrix<double, 9, 1>> column(eps.data());
+    const Eigen::Matrix<double, 9, 1> sigma = A * column;
+    return Matrix<3>(axes.transpose() * Eigen::Map<const Matrix<3>>(sigma.data()) * axes);
+  };
+  const double n13 = c[8] * c[0] / c[2];  // n_31/E_3 = n_13/E_1
+  const Matrix<3> pull = stress(diagonal(1, -c[6], -n13));
+  EXPECT_LT((pull - diagonal(c[0], 0, 0)).norm(), 1e-13);
+  EXPECT_LT((stress(diagonal(-c[6] * c[1] / c[0], 1, -c[7])) - diagonal(0, c[1], 0)).norm(), 1e-13);
+  for (const auto& [i, k, G] : {std::tuple(0, 1, c[3]), std::tuple(1, 2, c[4]), std::tuple(2, 0, c[5])}) {
+    Matrix<3> shear = Matrix<3>::Zero();
+    shear(i, k) = shear(k, i) = 0.5;
+    EXPECT_NEAR(stress(shear)(i, k), G, 1e-13);
+  }
+}
+
+TEST(TransverselyIsotropic, IsOrthotropicWithTwoEqualAxes) {
+  const double E_a = 10, E_t = 2, n_a = 0.3, n_t = 0.4, G_a = 1.5;
+  const Vector3 axis = Vector3(1, 2, 3).normalized();
+  Matrix<3> F = Matrix<3>::Identity();
+  F << 1.2, 0.3, 0.1, -0.1, 0.9, 0.2, 0.05, -0.15, 1.1;
+  const Material whole = material("transversely_isotropic", {E_a, E_t, n_a, n_t, G_a}, {axis});
+  const Material axes = material(
+      "orthotropic", {E_a, E_t, E_t, G_a, E_t / (2 * (1 + n_t)), G_a, n_a, n_t, n_a * E_t / E_a}, {axis});
+  EXPECT_NEAR(energy_density<3>(whole, F), energy_density<3>(axes, F), 1e-13);
+  // A turn about the axis changes nothing.
+  const Matrix<3> Q = Eigen::AngleAxisd(0.7, axis).toRotationMatrix();
+  EXPECT_NEAR(energy_density<3>(whole, F * Q), energy_density<3>(whole, F), 1e-13);
+}
+
+/// At a state without change of volume, whose Green strain has all components.
+TEST(FungOrthotropicAndGuccione, AreTheExponentialsOfTheirForms) {
+  Matrix<3> F;
+  F << 1.2, 0.3, 0.1, -0.1, 0.9, 0.2, 0.05, -0.15, 1.1;
+  F /= std::cbrt(F.determinant());
+  const Matrix<3> E = 0.5 * (F.transpose() * F - Matrix<3>::Identity());
+  const double b_f = 8, b_t = 2, b_fs = 4, c = 0.9;
+  const double Q = b_f * E(0, 0) * E(0, 0) +
+                   b_t * (E(1, 1) * E(1, 1) + E(2, 2) * E(2, 2) + 2 * E(1, 2) * E(1, 2)) +
+                   2 * b_fs * (E(0, 1) * E(0, 1) + E(0, 2) * E(0, 2));
+  const Material heart = material("guccione", {c, b_f, b_t, b_fs, 100}, {Vector3::UnitX()});
+  EXPECT_NEAR(energy_density<3>(heart, F), 0.5 * c * std::expm1(Q), 1e-13);
+
+  const std::vector<double> moduli = {1.0, 2.0, 3.0, 0.4, 0.5, 0.6, 0.3, 0.2, 0.1};
+  std::vector<double> all = moduli;
+  all.insert(all.end(), {c, 100.0});
+  const std::vector<Vector3> axes = {Vector3::UnitX(), Vector3::UnitY()};
+  const double quadratic = energy_density<3>(material("orthotropic", moduli, axes), F);
+  EXPECT_NEAR(energy_density<3>(material("fung_orthotropic", all, axes), F),
+              0.5 * c * std::expm1(2 * quadratic / c), 1e-13);
 }
 
 }  // namespace

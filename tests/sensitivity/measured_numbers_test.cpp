@@ -195,7 +195,9 @@ TEST(EveryLawsNumbers, HaveRightDerivatives) {
       material = material_of(*law);
       for (const ConstantText& constant : law->constants)  // inside of its range
         if (constant.is_free && constant.fallback == 0) material.constants[std::string(constant.name)] = 0.1;
-      const std::vector<double> constants = resolve_constants(*law, material.constants, "material");
+      std::vector<double> constants = resolve_constants(*law, material.constants, "material");
+      for (std::size_t k = 0; k < constants.size(); ++k)  // moduli that change forces by more than rounding
+        if (constants[k] == 0 && !law->constants[k].unit.empty()) constants[k] = 0.01 * constants[0];
       material.constants.clear();
       std::vector<std::string> names = {"body.body.rest_positions"};
       const std::size_t num_cells =

@@ -14,6 +14,8 @@
 #include "resilin/element/catalog.hpp"
 #include "resilin/energy/kernels/node_counts.hpp"
 #include "resilin/energy/tile_sum.hpp"
+#include "resilin/material/law_sum.hpp"
+#include "resilin/material/material_axes.hpp"
 
 namespace resilin {
 namespace {
@@ -109,17 +111,30 @@ void ElasticEnergy::set_directions(const FibreDirections& fibres) {
                      "1 to " + std::to_string(law().max_fibres) + " families, once or for every cell",
                      std::to_string(num_families_) + " families and " + std::to_string(count) +
                          " directions for " + std::to_string(num_cells) + " cells");
+  const bool has_absent_ones = is_sum(law());
   for (const Vector3& fibre : fibres.directions)
-    if (!(std::abs(fibre.norm() - 1) < 1e-9))
+    if (!(std::abs(fibre.norm() - 1) < 1e-9) && !(has_absent_ones && fibre.isZero(0)))
       throw InputError("fibres", "vectors of length 1", "one of length " + format_number(fibre.norm()));
-  tiles_.directions.assign(blocks.num_blocks * fibre_rows * block_size, 0.0);
-  for (std::size_t i = 0; i < blocks.cells.size(); ++i) {
-    const auto cell = static_cast<std::size_t>(std::max(blocks.cells[i], Index{0}));
-    for (std::size_t family = 0; family < num_families_; ++family)
-      for (std::size_t k = 0; k < 3; ++k)
-        tiles_.directions[(i / block_size * fibre_rows + 3 * family + k) * block_size + i % block_size] =
-            fibres.directions[is_uniform ? family : cell * num_families_ + family]
-                             [static_cast<Eigen::Index>(k)];
+  for (std::size_t first = 0; first < count; first += num_families_)
+    if (has_parallel_axes(law(), std::span(fibres.directions).subspan(first, num_families_)))
+      throw InputError("fibres", axes_expected, "parallel ones", axes_cure);
+  const std::size_t part_size = blocks.num_blocks * fibre_rows * block_size;
+  std::size_t first_of_part = 0;  // in the array of directions
+  tiles_.directions.clear();
+  for (const LawPart& part : parts_of(law())) {
+    if (part.law->max_fibres == 0) continue;
+    tiles_.directions.resize(first_of_part + part_size, 0.0);
+    const std::size_t own = num_own_families(part, num_families_);
+    for (std::size_t i = 0; i < blocks.cells.size(); ++i) {
+      const auto cell = static_cast<std::size_t>(std::max(blocks.cells[i], Index{0}));
+      for (std::size_t family = 0; family < own; ++family)
+        for (std::size_t k = 0; k < 3; ++k)
+          tiles_.directions[first_of_part + (i / block_size * fibre_rows + 3 * family + k) * block_size +
+                            i % block_size] =
+              fibres.directions[(is_uniform ? 0 : cell * num_families_) + part.first_family + family]
+                               [static_cast<Eigen::Index>(k)];
+    }
+    first_of_part += part_size;
   }
 }
 

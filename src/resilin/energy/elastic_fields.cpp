@@ -1,5 +1,6 @@
 // Fields of an elastic body, cell by cell.
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include "resilin/core/simd.hpp"
 #include "resilin/energy/axisymmetric_blocks.hpp"
 #include "resilin/energy/elastic.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
@@ -177,9 +179,15 @@ Material ElasticEnergy::material(Index cell) const {
   const std::size_t at = tiles_.constant_stride == 0 ? 0 : block * tiles_.constant_stride + lane;
   for (std::size_t k = 0; k < material.constants.size(); ++k)
     material.constants[k] = tiles_.constants[at + k * block_size];
-  for (std::size_t family = 0; family < num_families_; ++family) {
-    const double* rows = tiles_.directions.data() + (block * fibre_rows + 3 * family) * block_size + lane;
-    material.fibres.emplace_back(rows[0], rows[block_size], rows[2 * block_size]);
+  const double* of_part = tiles_.directions.data();
+  for (const LawPart& part : parts_of(law())) {
+    if (part.law->max_fibres == 0) continue;
+    const std::size_t own = num_own_families(part, num_families_);
+    for (std::size_t family = 0; family < own; ++family) {
+      const double* rows = of_part + (block * fibre_rows + 3 * family) * block_size + lane;
+      material.fibres.emplace_back(rows[0], rows[block_size], rows[2 * block_size]);
+    }
+    of_part += tiles_.blocks.num_blocks * fibre_rows * block_size;
   }
   return material;
 }

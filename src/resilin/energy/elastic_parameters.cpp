@@ -1,7 +1,7 @@
 // Derivatives of an elastic body's forces by the constants of its law and by its rest shape
 // (docs/theory/gradients.md).
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/energy/elastic.hpp"
@@ -12,9 +12,10 @@ namespace {
 
 /// Slopes by one set of constants, summed over cells.
 struct ConstantSlopes {
-  std::array<double, max_constants> sums{};
+  std::vector<double> sums{};  ///< empty: all are zero
   ConstantSlopes& operator+=(const ConstantSlopes& other) {
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += other.sums[k];
+    sums.resize(std::max(sums.size(), other.sums.size()), 0.0);
+    for (std::size_t k = 0; k < other.sums.size(); ++k) sums[k] += other.sums[k];
     return *this;
   }
 };
@@ -111,7 +112,7 @@ void ElasticEnergy::add_weighted_slopes(const FillSlopes& fill, VectorX& slopes)
   const bool is_uniform = tiles_.constant_stride == 0;
   const ConstantSlopes sum = parallel_sum<ConstantSlopes>(
       all_blocks_.size(), blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
-        ConstantSlopes of_chunk;
+        ConstantSlopes of_chunk{std::vector<double>(n, 0.0)};
         ElasticTiles::Scratch scratch(tiles_);
         for_tiles(tiles_, all_blocks_.data() + begin, end - begin, [&](const ElasticTiles::Tile& tile) {
           for (std::size_t p = 0; p < n; ++p) {
@@ -133,7 +134,8 @@ void ElasticEnergy::add_weighted_slopes(const FillSlopes& fill, VectorX& slopes)
         });
         return of_chunk;
       });
-  for (std::size_t p = 0; is_uniform && p < n; ++p) slopes[static_cast<Eigen::Index>(p)] += sum.sums[p];
+  for (std::size_t p = 0; is_uniform && p < sum.sums.size(); ++p)
+    slopes[static_cast<Eigen::Index>(p)] += sum.sums[p];
 }
 
 void ElasticEnergy::add_constant_slopes(const VectorX& x, const VectorX& w, VectorX& slopes) const {

@@ -9,12 +9,17 @@
 #include "resilin/core/simd.hpp"
 #include "resilin/energy/axisymmetric_blocks.hpp"
 #include "resilin/energy/kernels/axisymmetric_kernels.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/volume_energy.hpp"
 
 namespace resilin {
 namespace {
 
 constexpr int max_frame_rows = 18;
+
+void add_to(const double* addends, std::size_t count, double* sums) {
+  for (std::size_t i = 0; i < count; ++i) sums[i] += addends[i];
+}
 
 }  // namespace
 
@@ -28,8 +33,12 @@ ElasticTiles::ElasticTiles(ElementBlocks element_blocks, const LawInfo& material
                               ? nullptr
                               : &quadrature_kernels(blocks.dim, blocks.num_nodes, set)),
       point_kernels_(&point_kernels(state_dim(blocks), set)),
-      law_kernels_(&resilin::law_kernels(law->index, set)),
       has_mean_volume_(has_mean) {
+  std::size_t fibre_part = 0;
+  for (const LawPart& part : parts_of(material_law)) {
+    parts_.push_back({part.law, &law_kernels(part.law->index, set), part.first_constant, fibre_part});
+    if (part.law->max_fibres > 0) ++fibre_part;
+  }
   constexpr Index small = 50000;  // cells: about what stays in the caches
   if (quadrature_kernels_ == nullptr && (gradients == Gradients::held || blocks.num_cells <= small))
     hold_gradients();
@@ -74,7 +83,11 @@ ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
                         {&volume, mean_rows * entries * 3},
                         {&mean_j, mean_rows * entries},
                         {&mean_volume, mean_rows * entries * 3},
-                        {&mean, mean_rows * entries}};
+                        {&mean, mean_rows * entries},
+                        {&part_energy, tiles.is_sum() ? entries : 0},
+                        {&part_stress, tiles.is_sum() ? entries * n : 0},
+                        {&part_tangent, tiles.is_sum() ? entries * n * n : 0},
+                        {&part_K, tiles.is_sum() ? K_rows : 0}};
   std::size_t size = 0;
   for (const Part& part : parts) size += part.rows * block_size;
   double* next = inline_.data();
@@ -98,11 +111,24 @@ ElementTile ElasticTiles::simplex_tile(const Tile& tile) const {
           blocks.gradients.data(),
           /*gradients_are_of_tile=*/false,
           blocks.weights.data(),
-          directions.empty() ? nullptr : directions.data()};
+          nullptr};
 }
 
-ElementTile ElasticTiles::simplex_tile(const Tile& tile, Scratch& scratch) const {
+const ElasticTiles::Part& ElasticTiles::part_of_constant(std::size_t p) const {
+  std::size_t i = parts_.size() - 1;
+  while (parts_[i].first_constant > p) --i;
+  return parts_[i];
+}
+
+/// Null for a part without fibres, and before they are known.
+const double* ElasticTiles::directions_of(const Part& part) const {
+  if (part.law->max_fibres == 0 || directions.empty()) return nullptr;
+  return directions.data() + part.fibre_part * blocks.num_blocks * fibre_rows * block_size;
+}
+
+ElementTile ElasticTiles::simplex_tile(const Tile& tile, const Part& part, Scratch& scratch) const {
   ElementTile result = simplex_tile(tile);
+  result.directions = directions_of(part);
   if (!blocks.gradients.empty()) return result;
   if (!std::ranges::equal(scratch.gradients_of, std::span(tile.blocks, tile.num_blocks))) {
     simplex_kernels_->shape_gradients(result, blocks.rest_positions.data(), scratch.shape_gradients);
@@ -125,21 +151,23 @@ QuadratureTile ElasticTiles::quadrature_tile(const Tile& tile) const {
 }
 
 /// State of the entries, whose fibres are those of their block.
-StateTile ElasticTiles::state_tile(const Tile& tile, Scratch& scratch) const {
+StateTile ElasticTiles::state_tile(const Tile& tile, const Part& part, Scratch& scratch) const {
   constexpr std::size_t rows = fibre_rows * block_size;
   const std::size_t entries = num_entries(tile);
-  if (!directions.empty())
+  const double* own = directions_of(part);
+  if (own != nullptr)
     for (std::size_t e = 0; e < entries; ++e)
-      std::copy_n(directions.data() + static_cast<std::size_t>(tile.blocks[e / blocks.num_points]) * rows,
-                  rows, scratch.directions + e * rows);
-  return {entries, law_form(), scratch.H, scratch.frames, directions.empty() ? nullptr : scratch.directions,
+      std::copy_n(own + static_cast<std::size_t>(tile.blocks[e / blocks.num_points]) * rows, rows,
+                  scratch.directions + e * rows);
+  return {entries, part.form(), scratch.H, scratch.frames, own == nullptr ? nullptr : scratch.directions,
           rows};
 }
 
 void ElasticTiles::gradients(const Tile& tile, const double* u, Scratch& scratch, double* H) const {
   constexpr LawForm any_law = {LawKind::invariants, false};  // H alone is wanted
   if (quadrature_kernels_ == nullptr)
-    simplex_kernels_->measure(simplex_tile(tile, scratch), any_law, u, H, scratch.variables, nullptr);
+    simplex_kernels_->measure(simplex_tile(tile, parts_.front(), scratch), any_law, u, H, scratch.variables,
+                              nullptr);
   else
     quadrature_kernels_->gradients(quadrature_tile(tile), u, H);
 }
@@ -149,69 +177,64 @@ void ElasticTiles::volume_cubics(const Tile& tile, const double* H, const double
 }
 
 /// H, the law's variables and, when asked for and the law is one of stretches, their frames.
-void ElasticTiles::measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const {
+void ElasticTiles::measure(const Tile& tile, const Part& part, const double* u, bool keeps_frames,
+                           Scratch& scratch) const {
   double* frames = keeps_frames ? scratch.frames : nullptr;
   if (quadrature_kernels_ == nullptr)
-    return simplex_kernels_->measure(simplex_tile(tile, scratch), law_form(), u, scratch.H, scratch.variables,
-                                     frames);
+    return simplex_kernels_->measure(simplex_tile(tile, part, scratch), part.form(), u, scratch.H,
+                                     scratch.variables, frames);
   quadrature_kernels_->gradients(quadrature_tile(tile), u, scratch.H);
-  point_kernels_->variables(state_tile(tile, scratch), false, scratch.H, scratch.variables, frames);
+  point_kernels_->variables(state_tile(tile, part, scratch), false, scratch.H, scratch.variables, frames);
 }
 
-/// Arguments of a kernel of the law for the entries of a tile, or once for each of its blocks.
-LawBatch ElasticTiles::law_batch(const Tile& tile, const double* variables, bool is_per_entry,
-                                 Scratch& scratch, double* results) const {
+/// Arguments of a kernel of a part for the entries of a tile, or once for each of its blocks.
+LawBatch ElasticTiles::law_batch(const Tile& tile, const Part& part, const double* variables,
+                                 bool is_per_entry, Scratch& scratch, double* results) const {
   const std::size_t points = is_per_entry ? blocks.num_points : 1, count = tile.num_blocks * points;
-  const double* rows = constants.data();
-  if (constant_stride != 0) {
-    for (std::size_t i = 0; i < count; ++i)
-      std::copy_n(constants.data() + static_cast<std::size_t>(tile.blocks[i / points]) * constant_stride,
-                  constant_stride, scratch.constants + i * constant_stride);
-    rows = scratch.constants;
-  }
-  return {count, variables, rows, constant_stride, results};
+  const double* own = constants.data() + part.first_constant * block_size;
+  if (constant_stride == 0) return {count, variables, own, 0, results};
+  const std::size_t rows = part.law->constants.size() * block_size;
+  for (std::size_t i = 0; i < count; ++i)
+    std::copy_n(own + static_cast<std::size_t>(tile.blocks[i / points]) * constant_stride, rows,
+                scratch.constants + i * rows);
+  return {count, variables, scratch.constants, rows, results};
 }
 
 /// The volume energy and its derivatives at the entries (scratch.volume) and at the means of the cells
 /// (scratch.mean_volume).
-void ElasticTiles::call_volume(const Tile& tile, Scratch& scratch) const {
-  const auto rows = static_cast<std::size_t>(num_variables(law->kind));
+void ElasticTiles::call_volume(const Tile& tile, const Part& part, Scratch& scratch) const {
+  const auto rows = static_cast<std::size_t>(num_variables(part.law->kind));
   const std::size_t entries = num_entries(tile);
   for (std::size_t e = 0; e < entries; ++e) {
     const double* variables = scratch.variables + e * rows * block_size;
     double* j = scratch.j + e * block_size;
-    if (law->kind == LawKind::stretches)
+    if (part.law->kind == LawKind::stretches)
       volume_of_stretches(variables, j);
     else
       std::copy_n(variables + 2 * block_size, block_size, j);
   }
   quadrature_kernels_->mean(quadrature_tile(tile), scratch.j, scratch.mean_j);
-  call_law(law_kernels_->volume, tile, scratch.j, true, scratch, scratch.volume);
-  call_law(law_kernels_->volume, tile, scratch.mean_j, false, scratch, scratch.mean_volume);
+  call_law(part.kernels->volume, tile, part, scratch.j, true, scratch, scratch.volume);
+  call_law(part.kernels->volume, tile, part, scratch.mean_j, false, scratch, scratch.mean_volume);
 }
 
-/// Takes this derivative of the volume energy at the entries off their `rows` and adds `mean`, one row for
-/// each tile block (null: nothing). Energies are in row `row`; derivatives go where the law's variables have
-/// them.
-void ElasticTiles::replace_volume(const Tile& tile, int row, int rows, int derivative, const double* mean,
-                                  Scratch& scratch, double* law_rows) const {
-  const auto variables = static_cast<std::size_t>(num_variables(law->kind));
-  const bool has_curvature = rows == num_curvature_rows(law->kind);
-  alignas(64) std::array<double, block_size> change;
+/// In the rows of a law's gradient, or its curvature, in scratch.law: dU/dJ of the entry gives way to the
+/// pressure of its cell in scratch.mean, and d2U/dJ2 goes.
+void ElasticTiles::replace_pressure(const Tile& tile, const Part& part, bool has_curvature,
+                                    Scratch& scratch) const {
+  const LawKind kind = part.law->kind;
+  const auto rows = static_cast<std::size_t>(has_curvature ? num_curvature_rows(kind) : num_slopes(kind));
+  const auto variables = static_cast<std::size_t>(num_variables(kind));
+  alignas(64) double pressure[block_size], stiffness[block_size];
   for (std::size_t e = 0; e < num_entries(tile); ++e) {
-    double* out = law_rows + e * static_cast<std::size_t>(rows) * block_size;
-    const double* own = scratch.volume + (e * 3 + static_cast<std::size_t>(derivative)) * block_size;
-    const double* added = mean == nullptr ? nullptr : mean + e / blocks.num_points * block_size;
-    for (std::size_t lane = 0; lane < block_size; ++lane)
-      change[lane] = (added == nullptr ? 0 : added[lane]) - own[lane];
-    if (derivative == 0) {
-      double* energy = out + static_cast<std::size_t>(row) * block_size;
-      for (std::size_t lane = 0; lane < block_size; ++lane) energy[lane] += change[lane];
-    } else {
-      add_volume_energy(law->kind, scratch.variables + e * variables * block_size,
-                        derivative == 1 ? change.data() : nullptr, derivative == 2 ? change.data() : nullptr,
-                        has_curvature, out);
+    const double* own = scratch.volume + e * 3 * block_size;
+    const double* mean = scratch.mean + e / blocks.num_points * block_size;
+    for (int lane = 0; lane < block_size; ++lane) {
+      pressure[lane] = mean[lane] - own[block_size + lane];
+      stiffness[lane] = -own[2 * block_size + lane];
     }
+    add_volume_energy(kind, scratch.variables + e * variables * block_size, pressure,
+                      has_curvature ? stiffness : nullptr, scratch.law + e * rows * block_size);
   }
 }
 
@@ -225,22 +248,36 @@ void take_row(const double* rows, std::size_t num_blocks, std::size_t derivative
 
 }  // namespace
 
-void ElasticTiles::energies(const Tile& tile, const double* u, Scratch& scratch, double* psi) const {
-  measure(tile, u, false, scratch);
-  call_law(law_kernels_->energy, tile, scratch.variables, true, scratch, psi);
+void ElasticTiles::energies_of(const Part& part, const Tile& tile, const double* u, Scratch& scratch,
+                               double* psi) const {
+  measure(tile, part, u, false, scratch);
+  call_law(part.kernels->energy, tile, part, scratch.variables, true, scratch, psi);
   if (!has_mean_volume_) return;
-  call_volume(tile, scratch);
-  take_row(scratch.mean_volume, tile.num_blocks, 0, scratch.mean);
-  replace_volume(tile, 0, 1, 0, scratch.mean, scratch, psi);
+  call_volume(tile, part, scratch);
+  for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
+    const std::size_t e = i / block_size, lane = i % block_size;
+    psi[i] += scratch.mean_volume[e / blocks.num_points * 3 * block_size + lane] -
+              scratch.volume[e * 3 * block_size + lane];
+  }
 }
 
-void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratch, double* psi) const {
-  energies(tile, u, scratch, psi);
-  call_law(law_kernels_->gradient, tile, scratch.variables, true, scratch, scratch.law);
-  const int rows = num_slopes(law->kind);
+void ElasticTiles::energies(const Tile& tile, const double* u, Scratch& scratch, double* psi) const {
+  energies_of(parts_.front(), tile, u, scratch, psi);
+  for (std::size_t i = 1; i < parts_.size(); ++i) {
+    energies_of(parts_[i], tile, u, scratch, scratch.part_energy);
+    add_to(scratch.part_energy, num_entries(tile) * block_size, psi);
+  }
+}
+
+void ElasticTiles::magnitudes_of(const Part& part, const Tile& tile, const double* u, Scratch& scratch,
+                                 double* psi) const {
+  energies_of(part, tile, u, scratch, psi);
+  call_law(part.kernels->gradient, tile, part, scratch.variables, true, scratch, scratch.law);
+  const LawKind kind = part.law->kind;
+  const int rows = num_slopes(kind);
   if (has_mean_volume_) {
     take_row(scratch.mean_volume, tile.num_blocks, 1, scratch.mean);
-    replace_volume(tile, volume_slope_row, rows, 1, scratch.mean, scratch, scratch.law);
+    replace_pressure(tile, part, false, scratch);
   }
   const auto entry_size = static_cast<std::size_t>(state_dim(blocks) * state_dim(blocks));
   for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
@@ -255,7 +292,7 @@ void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratc
     const double of_j = first + square + square * first;
     psi[i] = std::abs(psi[i]);
     for (int row = 0; row < rows; ++row) {
-      const bool has_invariants = law->kind == LawKind::invariants || law->kind == LawKind::fibres;
+      const bool has_invariants = kind == LawKind::invariants || kind == LawKind::fibres;
       const double size = !has_invariants || row >= 2 ? of_j : row == 0 ? square : square * (1 + square);
       psi[i] +=
           std::abs(scratch.law[(entry * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row)) *
@@ -263,6 +300,14 @@ void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratc
                                lane]) *
           size;
     }
+  }
+}
+
+void ElasticTiles::magnitudes(const Tile& tile, const double* u, Scratch& scratch, double* psi) const {
+  magnitudes_of(parts_.front(), tile, u, scratch, psi);
+  for (std::size_t i = 1; i < parts_.size(); ++i) {
+    magnitudes_of(parts_[i], tile, u, scratch, scratch.part_energy);
+    add_to(scratch.part_energy, num_entries(tile) * block_size, psi);
   }
 }
 
@@ -274,53 +319,71 @@ void ElasticTiles::add_energies(const Tile& tile, const double* psi, const doubl
     quadrature_kernels_->add_energies(quadrature_tile(tile), psi, psi_from, sum);
 }
 
-void ElasticTiles::add_forces(const Tile& tile, const double* u, bool is_magnitude, const OwnedNodes& owned,
-                              Scratch& scratch, double* forces) const {
-  measure(tile, u, true, scratch);
-  call_law(law_kernels_->gradient, tile, scratch.variables, true, scratch, scratch.law);
+void ElasticTiles::add_forces_of(const Part& part, const Tile& tile, const double* u, bool is_magnitude,
+                                 const OwnedNodes& owned, Scratch& scratch, double* forces) const {
+  measure(tile, part, u, true, scratch);
+  call_law(part.kernels->gradient, tile, part, scratch.variables, true, scratch, scratch.law);
   if (quadrature_kernels_ == nullptr) {
-    simplex_kernels_->add_forces(simplex_tile(tile, scratch), law_form(), scratch.H, scratch.frames,
+    simplex_kernels_->add_forces(simplex_tile(tile, part, scratch), part.form(), scratch.H, scratch.frames,
                                  scratch.law, is_magnitude, owned, forces);
     return;
   }
   if (has_mean_volume_) {
-    call_volume(tile, scratch);
+    call_volume(tile, part, scratch);
     take_row(scratch.mean_volume, tile.num_blocks, 1, scratch.mean);
-    replace_volume(tile, volume_slope_row, num_slopes(law->kind), 1, scratch.mean, scratch, scratch.law);
+    replace_pressure(tile, part, false, scratch);
   }
-  point_kernels_->stresses(state_tile(tile, scratch), scratch.law, scratch.stress);
+  point_kernels_->stresses(state_tile(tile, part, scratch), scratch.law, scratch.stress);
   quadrature_kernels_->add_forces(quadrature_tile(tile), scratch.stress, is_magnitude, owned, forces);
 }
 
-void ElasticTiles::hessians(const Tile& tile, const double* u, Projection projection, const double* pressures,
-                            Scratch& scratch) const {
-  measure(tile, u, true, scratch);
-  call_law(law_kernels_->curvature, tile, scratch.variables, true, scratch, scratch.law);
+void ElasticTiles::add_forces(const Tile& tile, const double* u, bool is_magnitude, const OwnedNodes& owned,
+                              Scratch& scratch, double* forces) const {
+  for (const Part& part : parts_) add_forces_of(part, tile, u, is_magnitude, owned, scratch, forces);
+}
+
+void ElasticTiles::hessians_of(const Part& part, const Tile& tile, const double* u, Projection projection,
+                               const double* pressures, Scratch& scratch, double* K) const {
+  measure(tile, part, u, true, scratch);
+  call_law(part.kernels->curvature, tile, part, scratch.variables, true, scratch, scratch.law);
   const double removed = removed_part(projection);
   if (quadrature_kernels_ == nullptr) {
-    simplex_kernels_->hessians(simplex_tile(tile, scratch), {law_form(), removed}, scratch.H, scratch.frames,
-                               scratch.law, scratch.K);
+    simplex_kernels_->hessians(simplex_tile(tile, part, scratch), {part.form(), removed}, scratch.H,
+                               scratch.frames, scratch.law, K);
     return;
   }
   if (has_mean_volume_) {
-    call_volume(tile, scratch);
+    call_volume(tile, part, scratch);
     take_row(scratch.mean_volume, tile.num_blocks, 1, scratch.mean);
     if (pressures != nullptr)
-      for (std::size_t i = 0; i < tile.num_blocks; ++i)
-        std::copy_n(pressures + static_cast<std::size_t>(tile.blocks[i]) * block_size, block_size,
-                    scratch.mean + i * block_size);
-    const int rows = num_curvature_rows(law->kind);
-    replace_volume(tile, volume_slope_row, rows, 1, scratch.mean, scratch, scratch.law);
-    replace_volume(tile, volume_curvature_row(law->kind), rows, 2, nullptr, scratch, scratch.law);
+      for (std::size_t i = 0; i < tile.num_blocks; ++i) {
+        double* mean = scratch.mean + i * block_size;
+        if (&part == &parts_.front())
+          std::copy_n(pressures + static_cast<std::size_t>(tile.blocks[i]) * block_size, block_size, mean);
+        else
+          std::fill_n(mean, block_size, 0.0);
+      }
+    replace_pressure(tile, part, true, scratch);
   }
-  point_kernels_->tangents(state_tile(tile, scratch), removed, scratch.law, scratch.tangent);
-  quadrature_kernels_->hessians(quadrature_tile(tile), scratch.tangent, scratch.K);
+  point_kernels_->tangents(state_tile(tile, part, scratch), removed, scratch.law, scratch.tangent);
+  quadrature_kernels_->hessians(quadrature_tile(tile), scratch.tangent, K);
   if (has_mean_volume_) {
     take_row(scratch.mean_volume, tile.num_blocks, 2, scratch.mean);
     if (removed > 0)
       for (std::size_t i = 0; i < tile.num_blocks * block_size; ++i)
         scratch.mean[i] -= removed * std::min(scratch.mean[i], 0.0);
-    quadrature_kernels_->add_mean_volume(quadrature_tile(tile), scratch.H, scratch.mean, scratch.K);
+    quadrature_kernels_->add_mean_volume(quadrature_tile(tile), scratch.H, scratch.mean, K);
+  }
+}
+
+void ElasticTiles::hessians(const Tile& tile, const double* u, Projection projection, const double* pressures,
+                            Scratch& scratch) const {
+  hessians_of(parts_.front(), tile, u, projection, pressures, scratch, scratch.K);
+  const auto size =
+      tile.num_blocks * static_cast<std::size_t>(blocks.num_pairs() * blocks.dim * blocks.dim) * block_size;
+  for (std::size_t i = 1; i < parts_.size(); ++i) {
+    hessians_of(parts_[i], tile, u, projection, pressures, scratch, scratch.part_K);
+    add_to(scratch.part_K, size, scratch.K);
   }
 }
 
@@ -341,8 +404,20 @@ void ElasticTiles::prefetch(const Tile& tile, const double* u, const MatrixPlace
 }
 
 void ElasticTiles::volume_energies(const Tile& tile, const double* u, Scratch& scratch) const {
-  measure(tile, u, false, scratch);
-  call_volume(tile, scratch);
+  const std::size_t of_points = num_entries(tile) * 3 * block_size,
+                    of_cells = tile.num_blocks * 3 * block_size;
+  std::vector<double> points, means;
+  for (const Part& part : parts_) {
+    measure(tile, part, u, false, scratch);
+    call_volume(tile, part, scratch);
+    if (!is_sum()) return;
+    points.resize(of_points);
+    means.resize(of_cells);
+    add_to(scratch.volume, of_points, points.data());
+    add_to(scratch.mean_volume, of_cells, means.data());
+  }
+  std::ranges::copy(points, scratch.volume);
+  std::ranges::copy(means, scratch.mean_volume);
 }
 
 void ElasticTiles::mean_pressures(const Tile& tile, const double* u, const double* v, double step,

@@ -93,34 +93,59 @@ class ElasticTiles {
   const LawInfo* law;
   std::vector<double> constants;    ///< rows of lanes: one set, or one for each block
   std::size_t constant_stride = 0;  ///< numbers from block to block in `constants`; 0 when there is one set
-  std::vector<double> directions;   ///< directions of the fibres, [block][fibre_rows][lane]; empty without
+  /// Directions of the fibres of one part of the law after another that has some:
+  /// [part][block][fibre_rows][lane]; empty without. Zero where there is no such family.
+  std::vector<double> directions;
   std::vector<std::uint8_t> transposed_lanes;  ///< see QuadratureTile; set once the pattern is known
 
  private:
   static constexpr std::size_t entries_per_tile = 8;
 
-  LawForm law_form() const { return {law->kind, law->uses_second_invariant}; }
+  /// A summand of the law; a law that is no sum has one.
+  struct Part {
+    const LawInfo* law;
+    const LawKernels* kernels;
+    std::size_t first_constant;  ///< its constants among those of the law
+    std::size_t fibre_part;      ///< its place in `directions`
+
+    LawForm form() const { return {law->kind, law->uses_second_invariant}; }
+  };
+
+  bool is_sum() const { return parts_.size() > 1; }
+  const Part& part_of_constant(std::size_t p) const;
+  const double* directions_of(const Part& part) const;
   ElementTile simplex_tile(const Tile& tile) const;
-  ElementTile simplex_tile(const Tile& tile, Scratch& scratch) const;  ///< with its gradients
+  /// With its gradients and the fibres of a part.
+  ElementTile simplex_tile(const Tile& tile, const Part& part, Scratch& scratch) const;
   void hold_gradients();
-  StateTile state_tile(const Tile& tile, Scratch& scratch) const;
-  void measure(const Tile& tile, const double* u, bool keeps_frames, Scratch& scratch) const;
-  LawBatch law_batch(const Tile& tile, const double* variables, bool is_per_entry, Scratch& scratch,
-                     double* results) const;
-  void call_law(void (*kernel)(const LawBatch&), const Tile& tile, const double* variables, bool is_per_entry,
-                Scratch& scratch, double* results) const {
-    kernel(law_batch(tile, variables, is_per_entry, scratch, results));
+  StateTile state_tile(const Tile& tile, const Part& part, Scratch& scratch) const;
+  void measure(const Tile& tile, const Part& part, const double* u, bool keeps_frames,
+               Scratch& scratch) const;
+  LawBatch law_batch(const Tile& tile, const Part& part, const double* variables, bool is_per_entry,
+                     Scratch& scratch, double* results) const;
+  void call_law(void (*kernel)(const LawBatch&), const Tile& tile, const Part& part, const double* variables,
+                bool is_per_entry, Scratch& scratch, double* results) const {
+    kernel(law_batch(tile, part, variables, is_per_entry, scratch, results));
   }
-  void volume_slopes(const Tile& tile, const double* j, bool is_per_entry, std::size_t p,
+  void energies_of(const Part& part, const Tile& tile, const double* u, Scratch& scratch, double* psi) const;
+  void magnitudes_of(const Part& part, const Tile& tile, const double* u, Scratch& scratch,
+                     double* psi) const;
+  void add_forces_of(const Part& part, const Tile& tile, const double* u, bool is_magnitude,
+                     const OwnedNodes& owned, Scratch& scratch, double* forces) const;
+  /// @param pressures  see `hessians`; those of all parts together, and the first one has them
+  void hessians_of(const Part& part, const Tile& tile, const double* u, Projection projection,
+                   const double* pressures, Scratch& scratch, double* K) const;
+  void stresses_and_tangents_of(const Part& part, const Tile& tile, const double* u, Scratch& scratch,
+                                double* stress, double* tangent) const;
+  void volume_slopes(const Tile& tile, const Part& part, const double* j, bool is_per_entry, std::size_t p,
                      std::size_t derivative, Scratch& scratch, std::vector<double>& slopes) const;
-  void call_volume(const Tile& tile, Scratch& scratch) const;
-  void replace_volume(const Tile& tile, int row, int rows, int derivative, const double* mean,
-                      Scratch& scratch, double* law_rows) const;
+  void call_volume(const Tile& tile, const Part& part, Scratch& scratch) const;
+  void replace_pressure(const Tile& tile, const Part& part, bool has_curvature, Scratch& scratch) const;
 
   const ElementKernels* simplex_kernels_;
   const QuadratureKernels* quadrature_kernels_;
   const PointKernels* point_kernels_;
-  const LawKernels* law_kernels_;
+  std::vector<Part> parts_;
   bool has_mean_volume_;
 };
 
@@ -133,7 +158,8 @@ class ElasticTiles::Scratch {
   std::vector<Index> gradients_of;  ///< the blocks whose gradients these are
   double *H, *G, *variables, *frames, *law, *constants, *directions, *energy, *energy_from;
   double *stress, *tangent;
-  double *j, *volume, *mean_j, *mean_volume, *mean;  ///< scratch of elements with a mean volume
+  double *j, *volume, *mean_j, *mean_volume, *mean;           ///< scratch of elements with a mean volume
+  double *part_energy, *part_stress, *part_tangent, *part_K;  ///< addends: further parts of a sum
   double* K;
 
  private:

@@ -8,6 +8,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/fit/state_batch.hpp"
+#include "resilin/material/law_sum.hpp"
 
 namespace resilin {
 namespace {
@@ -141,6 +142,9 @@ std::vector<std::string> usual_fit_laws() {
 
 LawChoice choose_law(const std::string& name, bool is_compressible, const std::string& place) {
   const LawInfo& law = require_fit_law(name, place);
+  if (is_sum(law))
+    refuse_law(law, place, "a sum of laws, whose constants one test cannot tell apart",
+               "fit one of its parts, or the constants of a whole scene");
   if (law.max_fibres > 0)
     refuse_law(law, place, "whose fibres have directions that a homogeneous test does not name",
                "fit its ground substance by neo_hookean");

@@ -15,6 +15,7 @@
 #include "resilin/fit/fit_output.hpp"
 #include "resilin/fit/scene_fit_output.hpp"
 #include "resilin/io/atomic_file.hpp"
+#include "resilin/material/law_sum.hpp"
 
 namespace resilin {
 namespace {
@@ -64,10 +65,27 @@ std::vector<std::string> sought_constants(const SceneFitReport& report, const st
 
 /// "material = { ... }" of a scene, with files for lists by cell of this body.
 std::string material_line(const MaterialDescription& material, const std::string& body) {
-  std::string text = "material = { law = \"" + material.law + "\"";
-  for (const auto& [name, value] : material.constants) text += ", " + name + " = " + format_number(value);
-  for (const auto& [name, values] : material.cell_constants)
-    text += ", " + name + " = { file = \"" + cell_file_name(body, name) + "\" }";
+  // The keys of the material, or of one part of a sum: they begin with `prefix`.
+  const auto table = [&](const std::string& law, const std::string& prefix) {
+    std::string text = "law = \"" + law + "\"";
+    for (const auto& [name, value] : material.constants)
+      if (name.starts_with(prefix)) text += ", " + name.substr(prefix.size()) + " = " + format_number(value);
+    for (const auto& [name, values] : material.cell_constants)
+      if (name.starts_with(prefix))
+        text += ", " + name.substr(prefix.size()) + " = { file = \"" + cell_file_name(body, name) + "\" }";
+    return text;
+  };
+  std::string text = "material = { ";
+  const LawInfo& law = require_law(material.law, material.place + ".law");
+  if (is_sum(law)) {
+    for (std::size_t i = 0; i < law.parts.size(); ++i)
+      text.append(i == 0 ? "sum = [{ " : ", { ")
+          .append(table(std::string(law.parts[i]->name), sum_constant(i, "")))
+          .append(" }");
+    text += "]";
+  } else {
+    text += table(material.law, "");
+  }
   return text + ", density = " + format_number(material.density) +
          (material.fibres.empty() ? "" : ", fibres = ... as in the scene") + " }\n";
 }

@@ -56,7 +56,7 @@ KindOfNumber kind_of(const World& world, const std::string& key) {
         const std::string region = domain.region < 0 ? "" : ".region." + domain.name;
         if (!key.starts_with("body." + body.name + region + ".material.")) continue;
         for (const ConstantText& text : domain.law_info().constants)
-          if (text.name == constant)
+          if (key.ends_with(std::string(".material.").append(text.name)))
             return {.lower = std::max(text.above, text.at_least),
                     .upper = text.at_most,
                     .is_above_lower = text.above >= text.at_least,

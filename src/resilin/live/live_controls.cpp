@@ -6,6 +6,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/world/axisymmetry.hpp"
@@ -114,6 +115,8 @@ LiveControls starting_controls(const Description& description, const World& worl
 MaterialDescription material_of(const BodyControls& controls, const MaterialDescription& description) {
   const LawInfo& law = require_law(controls.law, "law");
   MaterialDescription material = description;
+  // The parts of a sum have moduli of their own, which no slider shows.
+  if (is_sum(law)) return material;
   material.law = controls.law;
   if (law.max_fibres == 0) material.fibres.clear();
   // The same law keeps what is given beside Young's modulus and Poisson's ratio.

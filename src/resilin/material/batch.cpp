@@ -9,6 +9,7 @@
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/kernels/plane_stress_kernels.hpp"
 #include "resilin/material/kernels/point_kernels.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
@@ -168,10 +169,47 @@ void for_tiles(const StateBatch<Real>& states, bool wants_frames, const Prefetch
   });
 }
 
+/// The states of a part of their law.
+template <class Real>
+StateBatch<Real> states_of(const LawPart& part, const StateBatch<Real>& states) {
+  StateBatch<Real> own = states;
+  own.law = part.law;
+  const auto first = states.constants.begin() + static_cast<std::ptrdiff_t>(part.first_constant);
+  own.constants.assign(first, first + static_cast<std::ptrdiff_t>(part.law->constants.size()));
+  own.num_fibres = num_own_families(part, states.num_fibres);
+  own.fibres = own.num_fibres > 0 ? states.fibres + 3 * part.first_family : nullptr;
+  return own;
+}
+
+/// Whether the law is a sum: then the sum of what `evaluate(states, out)` gives of its parts is in `out`,
+/// `entries` numbers for each state.
+template <class Real, class Evaluate>
+bool sum_of_parts(const StateBatch<Real>& states, std::size_t entries, Real* out, const Evaluate& evaluate) {
+  if (!is_sum(*states.law)) return false;
+  const std::vector<LawPart> parts = parts_of(*states.law);
+  evaluate(states_of(parts.front(), states), out);
+  std::vector<Real> more(states.count * entries);
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    evaluate(states_of(parts[i], states), more.data());
+    for (std::size_t k = 0; k < more.size(); ++k) out[k] += more[k];
+  }
+  return true;
+}
+
+/// The part of a law that has this constant.
+LawPart part_of(const LawInfo& law, std::size_t constant) {
+  std::vector<LawPart> parts = parts_of(law);
+  while (parts.back().first_constant > constant) parts.pop_back();
+  return parts.back();
+}
+
 }  // namespace
 
 template <class Real>
 void energy_densities(const StateBatch<Real>& states, Real* psi) {
+  if (sum_of_parts(states, 1, psi,
+                   [](const StateBatch<Real>& own, Real* out) { energy_densities(own, out); }))
+    return;
   for_tiles<states_per_tile>(states, false, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
     tile.law().energy(tile.law_batch(scratch.law.data()));
     tile.write(scratch.law.data(), 1, psi);
@@ -181,6 +219,9 @@ void energy_densities(const StateBatch<Real>& states, Real* psi) {
 template <class Real>
 void first_piola_kirchhoff_stresses(const StateBatch<Real>& states, Real* P) {
   const auto entries = static_cast<std::size_t>(states.dim * states.dim);
+  if (sum_of_parts(states, entries, P,
+                   [](const StateBatch<Real>& own, Real* out) { first_piola_kirchhoff_stresses(own, out); }))
+    return;
   const auto prefetch_result = [&, is_long = is_long_result(states, entries)](std::size_t begin,
                                                                               std::size_t end) {
     if (!is_long) prefetch<true>(P, begin * entries, end * entries);
@@ -194,6 +235,11 @@ void first_piola_kirchhoff_stresses(const StateBatch<Real>& states, Real* P) {
 
 template <class Real>
 void stress_tangents(const StateBatch<Real>& states, Projection projection, Real* A) {
+  const auto entries = static_cast<std::size_t>(states.dim * states.dim);
+  if (sum_of_parts(states, entries * entries, A, [projection](const StateBatch<Real>& own, Real* out) {
+        stress_tangents(own, projection, out);
+      }))
+    return;
   for_tiles<states_per_tile>(states, true, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
     alignas(64) std::array<double, 81 * states_per_tile> tangents;
     tile.law().curvature(tile.law_batch(scratch.law.data()));
@@ -206,6 +252,10 @@ template <class Real>
 void elastic_forces(const StateBatch<Real>& states, const Real* rest_shape_inverses, const Real* rest_volumes,
                     Real* forces) {
   const auto dim = static_cast<std::size_t>(states.dim);
+  if (sum_of_parts(states, (dim + 1) * dim, forces, [&](const StateBatch<Real>& own, Real* out) {
+        elastic_forces(own, rest_shape_inverses, rest_volumes, out);
+      }))
+    return;
   const auto prefetch_next = [&, is_long = is_long_result(states, (dim + 1) * dim)](std::size_t begin,
                                                                                     std::size_t end) {
     begin = std::min(begin + states_per_short_tile, states.count);
@@ -231,6 +281,10 @@ void elastic_forces(const StateBatch<Real>& states, const Real* rest_shape_inver
 
 template <class Real>
 void constant_derivatives(const StateBatch<Real>& states, std::size_t constant, Real* dpsi, Real* dP) {
+  if (is_sum(*states.law)) {
+    const LawPart part = part_of(*states.law, constant);
+    return constant_derivatives(states_of(part, states), constant - part.first_constant, dpsi, dP);
+  }
   const auto rows = static_cast<std::size_t>(num_slopes(states.law->kind));
   for_tiles<states_per_tile>(
       states, dP != nullptr, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
@@ -252,6 +306,14 @@ void constant_derivatives(const StateBatch<Real>& states, std::size_t constant, 
 
 template <class Real>
 void second_constant_derivatives(const StateBatch<Real>& states, std::size_t p, std::size_t q, Real* d2psi) {
+  if (is_sum(*states.law)) {
+    const LawPart part = part_of(*states.law, p), other = part_of(*states.law, q);
+    std::fill_n(d2psi, states.count, Real(0));
+    if (part.first_constant == other.first_constant)
+      second_constant_derivatives(states_of(part, states), p - part.first_constant, q - part.first_constant,
+                                  d2psi);
+    return;
+  }
   for_tiles<states_per_tile>(states, false, prefetch_nothing, [&](const Tile<Real>& tile, Scratch& scratch) {
     tile.law().constant_curvature(tile.law_batch(scratch.law.data()), static_cast<int>(p),
                                   static_cast<int>(q));

@@ -19,6 +19,7 @@ namespace resilin {
   LAW(Corotated)              \
   LAW(Arap)                   \
   LAW(MooneyRivlin)           \
+  LAW(Polynomial)             \
   LAW(Yeoh)                   \
   LAW(Ogden)                  \
   LAW(ArrudaBoyce)            \
@@ -27,7 +28,11 @@ namespace resilin {
   LAW(VerondaWestmann)        \
   LAW(HolmesMow)              \
   LAW(HolzapfelGasserOgden)   \
-  LAW(ExponentialFibre)
+  LAW(ExponentialFibre)       \
+  LAW(TransverselyIsotropic)  \
+  LAW(Orthotropic)            \
+  LAW(FungOrthotropic)        \
+  LAW(Guccione)
 
 #define RESILIN_DECLARE_LAW(Law) \
   template <class Real>          \

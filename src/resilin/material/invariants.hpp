@@ -42,6 +42,27 @@ struct FibreInvariants : Invariants<T> {
   Real weight[max_fibre_families];  ///< 1 where there is such a family, else 0
 };
 
+/// The Green strain E = (F^T F - I)/2 by its components in material axes a_1, a_2, a_3, and the volume.
+template <class T>
+struct AxesStrain {
+  T e11, e22;
+  T j;  ///< J - 1
+  T e33, e12, e23, e31;
+};
+
+/// The same of J^(-1/3) F. With t = J^(1/3): (E + I/2) / t^2 - I/2.
+template <class T>
+RESILIN_DUAL_INLINE AxesStrain<T> isochoric_strain(const AxesStrain<T>& c) {
+  const T s = cbrt1p(c.j), factor = reciprocal(square(1.0 + s)), pressure = 0.5 * (s * (2.0 + s));
+  return {(c.e11 - pressure) * factor,
+          (c.e22 - pressure) * factor,
+          c.j,
+          (c.e33 - pressure) * factor,
+          c.e12 * factor,
+          c.e23 * factor,
+          c.e31 * factor};
+}
+
 /// J^(-2/3) I_C - 3. With t = J^(1/3): d1 / t^2 + (3 + 2 j - 3 t^2) / t^2, and 2 j = 2 t^3 - 2 makes the
 /// second numerator (t - 1)^2 (2 t + 1).
 template <class T>

@@ -1,5 +1,6 @@
 #include "resilin/material/law.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/core/vocabulary.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/rest_tangents.hpp"
 
 namespace resilin {
@@ -34,6 +36,13 @@ class ConstantReader {
       : law_(law), given_(given), place_(place), name_of_(name_of) {}
 
   std::vector<double> read(std::size_t count) const {
+    std::vector<double> all = is_sum(law_) ? read_parts(count) : read_numbers(count);
+    check_rest(all);
+    return all;
+  }
+
+ private:
+  std::vector<double> read_numbers(std::size_t count) const {
     refuse_unknown();
     const bool is_hooke = given_.empty() || has("youngs_modulus") || has("poissons_ratio");
     const std::vector<Source> sources = is_hooke ? hooke_sources() : own_sources();
@@ -43,11 +52,37 @@ class ConstantReader {
       const std::vector<double> own = is_hooke ? from_hooke(sources, i) : literal(sources, i);
       std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(i * num_constants));
     }
-    check_rest(all);
     return all;
   }
 
- private:
+  /// The constants of a sum: each part reads its own.
+  std::vector<double> read_parts(std::size_t count) const {
+    const std::size_t width = law_.constants.size();
+    std::vector<double> all(count * width);
+    const std::vector<LawPart> parts = parts_of(law_);
+    for (const auto& [name, column] : given_) {
+      std::size_t k = 0;
+      while (k < parts.size() && !name.starts_with(sum_constant(k, ""))) ++k;
+      if (k == parts.size())
+        throw InputError(place_ + "." + name,
+                         "constants of the parts, such as " + std::string(law_.constants.front().name),
+                         "an unknown constant");
+    }
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const std::string prefix = sum_constant(k, "");
+      std::map<std::string, Column> given;
+      for (const auto& [name, column] : given_)
+        if (name.starts_with(prefix)) given[name.substr(prefix.size())] = column;
+      const std::string place = place_ + "." + prefix.substr(0, prefix.size() - 1);
+      const std::vector<double> own =
+          ConstantReader(*parts[k].law, given, place, name_of_).read_numbers(count);
+      const std::size_t own_width = parts[k].law->constants.size();
+      for (std::size_t i = 0; i < own.size(); ++i)
+        all[i / own_width * width + parts[k].first_constant + i % own_width] = own[i];
+    }
+    return all;
+  }
+
   /// Where a number comes from.
   struct Source {
     const ConstantText* constant;  ///< null for Young's modulus and Poisson's ratio
@@ -150,7 +185,13 @@ class ConstantReader {
                           [this](std::size_t i, const double* A) { check_rest_tangent(A, i); });
   }
 
+  bool has_axes() const {
+    return std::ranges::any_of(parts_of(law_),
+                               [](const LawPart& part) { return part.law->kind == LawKind::axes; });
+  }
+
   void check_rest_tangent(const double* A, std::size_t i) const {
+    if (has_axes()) return check_stiffness(A, i);
     const double mu = A[9 * 1 + 1], bulk_modulus = (A[0] + 2 * A[4]) / 3, least = 1e-14 * std::abs(A[0]);
     if (mu > least && bulk_modulus > least) return;
     throw InputError((place_ + name_of_(i)),
@@ -158,6 +199,22 @@ class ConstantReader {
                      "a small-strain shear modulus of " + format_number(mu) + " Pa and bulk modulus of " +
                          format_number(bulk_modulus) + " Pa",
                      "both must be positive");
+  }
+
+  /// The same for a law of no special symmetry.
+  void check_stiffness(const double* A, std::size_t i) const {
+    constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+    Eigen::Matrix<double, 6, 6> C;
+    for (int m = 0; m < 6; ++m)
+      for (int n = 0; n < 6; ++n)
+        C(m, n) = A[9 * (3 * pairs[m][0] + pairs[m][1]) + 3 * pairs[n][0] + pairs[n][1]];
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(C, Eigen::EigenvaluesOnly);
+    const double least = eigen.eigenvalues()[0], largest = eigen.eigenvalues()[5];
+    if (C.allFinite() && least > 1e-14 * largest) return;
+    throw InputError((place_ + name_of_(i)),
+                     "constants of a solid that is stable in the reference configuration",
+                     "a least small-strain stiffness of " + format_number(least) + " Pa",
+                     "all must be positive: for each pair of axes n_ij^2 < E_i/E_j");
   }
 
   const LawInfo& law_;

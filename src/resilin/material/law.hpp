@@ -34,9 +34,14 @@ struct LawInfo {
 
   /// Constants that give this small-strain solid (for a law with fibres: its ground substance). `free`: the
   /// free constants (ConstantText::is_free), in their order.
+  /// Null for a sum.
   std::vector<double> (*convert)(const Hooke& hooke, std::span<const double> free);
 
-  /// The same with the fallback of each free constant; for one that has none, hooke.mu or 1.
+  /// The summands of a sum of laws (material/law_sum.hpp); empty for a law of the catalogue.
+  std::span<const LawInfo* const> parts{};
+
+  /// The same with the fallback of each free constant; for one that has none, hooke.mu or 1. The parts of a
+  /// sum have equal shares of the solid.
   std::vector<double> constants_from(const Hooke& hooke) const;
 
   /// Whether any Young's modulus and Poisson's ratio make a material of it, without fibres and without
@@ -47,7 +52,7 @@ struct LawInfo {
 /// All laws, in the order of the catalogue.
 std::vector<const LawInfo*> laws();
 
-/// The law of this name, or nullptr.
+/// The law of this name, or nullptr. "yeoh + exponential_fibre" is a sum of laws.
 const LawInfo* find_law(std::string_view name);
 
 /// The law of this name; throws InputError(place, ...) that lists the laws when there is none.

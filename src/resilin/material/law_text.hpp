@@ -11,6 +11,8 @@ enum class LawKind {
   small_strain,  ///< SmallStrain, quadratic: isotropic, rotations strain it
   stretches,     ///< Stretches: isotropic, any strain
   fibres,        ///< FibreInvariants: stiffer along one or two families of fibres
+  axes,          ///< AxesStrain: other moduli along each of three material axes
+  sum,           ///< no law of the catalogue, but a sum of such (material/law_sum.hpp)
 };
 
 /// Properties of a law for loops over states.

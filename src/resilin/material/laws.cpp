@@ -10,6 +10,7 @@
 #include "resilin/material/catalog.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/law.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/plane_stress.hpp"
 
 namespace resilin {
@@ -77,7 +78,8 @@ LawInfo info(int index) {
           .max_fibres = max_fibres<Plain>(),
           .only_poissons_ratio = only_poissons_ratio<Plain>(),
           .constants = Plain::constants,
-          .convert = convert<Law>};
+          .convert = convert<Law>,
+          .parts = {}};
 }
 
 const std::vector<LawInfo>& infos() {
@@ -124,13 +126,23 @@ const std::vector<LawInfo>& plane_stress_infos() {
 
 std::string plane_stress_name(std::string_view law) { return std::string(law) + " in plane stress"; }
 
-bool is_plane_stress(const LawInfo& law) { return static_cast<std::size_t>(law.index) >= infos().size(); }
+bool is_plane_stress(const LawInfo& law) { return law.index >= static_cast<int>(infos().size()); }
 
 const LawInfo& solid_law(const LawInfo& law) {
+  if (is_sum(law)) return law;
   return infos()[static_cast<std::size_t>(law.index) % infos().size()];
 }
 
 std::vector<double> LawInfo::constants_from(const Hooke& hooke) const {
+  if (is_sum(*this)) {
+    std::vector<double> all;
+    const auto share = 1 / static_cast<double>(parts.size());
+    for (const LawInfo* part : parts) {
+      const std::vector<double> own = part->constants_from({share * hooke.mu, share * hooke.lambda});
+      all.insert(all.end(), own.begin(), own.end());
+    }
+    return all;
+  }
   std::vector<double> free;
   for (const ConstantText& constant : constants)
     if (constant.is_free)
@@ -144,7 +156,8 @@ bool LawInfo::needs_only_hooke() const {
   const auto must_be_given = [](const ConstantText& constant) {
     return constant.is_free && std::isnan(constant.fallback);
   };
-  return max_fibres == 0 && std::isnan(only_poissons_ratio) && std::ranges::none_of(constants, must_be_given);
+  return !is_sum(*this) && max_fibres == 0 && std::isnan(only_poissons_ratio) &&
+         std::ranges::none_of(constants, must_be_given);
 }
 
 std::vector<const LawInfo*> laws() {
@@ -158,7 +171,7 @@ const LawInfo* find_law(std::string_view name) {
     if (law.name == name) return &law;
   for (const LawInfo& law : plane_stress_infos())
     if (law.name == name) return &law;
-  return nullptr;
+  return name.find('+') == name.npos ? nullptr : find_sum(name);
 }
 
 const LawInfo& require_law(std::string_view name, const std::string& place) {

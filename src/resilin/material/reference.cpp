@@ -30,6 +30,15 @@ void add_term(std::string& sum, double factor, const std::string& symbol) {
   sum += symbol;
 }
 
+/// "E" or "nu" for a constant that is Young's modulus or Poisson's ratio; empty for others.
+std::string engineering_name(const LawInfo& law, std::size_t constant) {
+  const Hooke hooke{.mu = 2, .lambda = 3};
+  if (!std::isnan(law.only_poissons_ratio)) return {};
+  const double value = law.constants_from(hooke)[constant];
+  if (value == hooke.youngs_modulus()) return "E";
+  return value == hooke.poissons_ratio() ? "nu" : "";
+}
+
 /// How a constant follows from Hooke's mu and lambda. Conversions are linear, so two samples tell all of it.
 std::string conversion(const LawInfo& law, std::size_t constant) {
   std::string sum;
@@ -44,6 +53,7 @@ std::string from_hooke(const LawInfo& law, std::size_t i) {
   if (constant.is_free)
     return std::isnan(constant.fallback) ? "given beside"
                                          : "given beside, or " + format_number(constant.fallback);
+  if (const std::string name = engineering_name(law, i); !name.empty()) return name;
   const double at_rest = law.constants_from({.mu = 1, .lambda = 0})[i];
   if (constant.unit.empty()) return format_number(at_rest);
   return conversion(law, i);
@@ -74,7 +84,13 @@ std::string section(const LawInfo& law) {
   }
   if (!std::isnan(law.only_poissons_ratio))
     append(text, {"\nIts Poisson's ratio is ", format_number(law.only_poissons_ratio), ".\n"});
-  if (law.max_fibres > 0)
+  if (law.kind == LawKind::axes)
+    append(text, {law.max_fibres == 1
+                      ? "\nNeeds its axis as `fibres`"
+                      : "\nNeeds its first two axes as `fibres`; the second is made perpendicular to the "
+                        "first, and may be left out in the plane",
+                  ", in the reference configuration.\n"});
+  else if (law.max_fibres > 0)
     append(text, {"\nNeeds ", families(law.max_fibres),
                   " of `fibres`, unit vectors of the reference configuration. (E, nu) are those of the "
                   "matrix, without "

@@ -5,11 +5,24 @@
 
 #include "resilin/core/simd.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
+#include "resilin/material/law_sum.hpp"
 
 namespace resilin {
 
 std::vector<VolumeSlopes> volume_slopes(const LawInfo& law, std::span<const double> j,
                                         std::span<const Column> constants, InstructionSet set) {
+  if (is_sum(law)) {
+    std::vector<VolumeSlopes> sums(j.size(), {0, 0});
+    for (const LawPart& part : parts_of(law)) {
+      const auto own = volume_slopes(*part.law, j,
+                                     constants.subspan(part.first_constant, part.law->constants.size()), set);
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        sums[i].pressure += own[i].pressure;
+        sums[i].stiffness += own[i].stiffness;
+      }
+    }
+    return sums;
+  }
   const LawKernels& kernels = law_kernels(law.index, set);
   alignas(64) std::array<double, block_size> in;
   alignas(64) std::array<double, 3 * block_size> out;
@@ -38,12 +51,11 @@ void volume_of_stretches(const double* stretches, double* j) {
 }
 
 void add_volume_energy(LawKind kind, const double* variables, const double* pressure, const double* stiffness,
-                       bool has_curvature, double* rows) {
+                       double* rows) {
   const auto row = [rows](int i) { return rows + i * block_size; };
-  const auto at = [](const double* numbers, int lane) { return numbers == nullptr ? 0 : numbers[lane]; };
   if (kind != LawKind::stretches) {
     for (int lane = 0; lane < block_size; ++lane) {
-      if (pressure != nullptr) row(volume_slope_row)[lane] += pressure[lane];
+      row(volume_slope_row)[lane] += pressure[lane];
       if (stiffness != nullptr) row(volume_curvature_row(kind))[lane] += stiffness[lane];
     }
     return;
@@ -53,13 +65,12 @@ void add_volume_energy(LawKind kind, const double* variables, const double* pres
     std::array<double, 3> s, slope;
     for (std::size_t i = 0; i < 3; ++i) s[i] = 1 + variables[i * block_size + static_cast<std::size_t>(lane)];
     for (std::size_t i = 0; i < 3; ++i) slope[i] = s[(i + 1) % 3] * s[(i + 2) % 3];
-    const double p = at(pressure, lane), k = at(stiffness, lane);
-    if (pressure != nullptr)
-      for (std::size_t i = 0; i < 3; ++i) row(static_cast<int>(i))[lane] += p * slope[i];
-    if (!has_curvature) continue;
-    for (int place = 0; place < 6; ++place) {
-      const auto i = static_cast<std::size_t>(pairs[place][0]), m = static_cast<std::size_t>(pairs[place][1]);
-      row(3 + place)[lane] += k * slope[i] * slope[m] + (i == m ? 0 : p * s[3 - i - m]);
+    const double p = pressure[lane];
+    for (std::size_t i = 0; i < 3; ++i) row(static_cast<int>(i))[lane] += p * slope[i];
+    if (stiffness == nullptr) continue;
+    for (int k = 0; k < 6; ++k) {
+      const auto i = static_cast<std::size_t>(pairs[k][0]), m = static_cast<std::size_t>(pairs[k][1]);
+      row(3 + k)[lane] += stiffness[lane] * slope[i] * slope[m] + (i == m ? 0 : p * s[3 - i - m]);
     }
     for (std::size_t i = 0; i < 3; ++i) {
       row(9 + static_cast<int>(i))[lane] -= p * s[i];

@@ -26,12 +26,9 @@ std::vector<VolumeSlopes> volume_slopes(const LawInfo& law, std::span<const doub
 /// J - 1 of shifted stretches.
 void volume_of_stretches(const double* stretches, double* j);
 
-/// Adds a volumetric energy to the rows of a law's gradient or curvature.
-/// @param variables  of the law
-/// @param pressure   dU/dJ; null where that is not to be added
-/// @param stiffness  d2U/dJ2, for curvatures; null likewise
-/// @param has_curvature  whether the rows are those of the curvature
+/// Adds a volumetric energy, of which dU/dJ and d2U/dJ2 are given, to the rows of a law's gradient; to those
+/// of its curvature where `stiffness` is not null.
 void add_volume_energy(LawKind kind, const double* variables, const double* pressure, const double* stiffness,
-                       bool has_curvature, double* rows);
+                       double* rows);
 
 }  // namespace resilin

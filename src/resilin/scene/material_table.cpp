@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "resilin/material/law.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/scene/material_library.hpp"
 #include "resilin/scene/tables.hpp"
 
@@ -173,14 +174,24 @@ void read_constant(const SceneNode& node, const std::string& name, const Mesh& m
                                                    : read_cell_field(node.child("cell_field"), mesh);
 }
 
-/// A direction, a list or an array of one for each cell, or { file = "fibres.csv" }.
+/// A direction, a list or an array of one for each cell, or { file = "fibres.csv" }. In 2D a third number is
+/// the component across the plane.
 std::vector<Vector3> read_directions(const SceneNode& node, const Mesh& mesh) {
-  const bool is_vector =
-      node.value->is_array() && !node.value->array().empty() && !node.value->array().front().is_array();
-  if (is_vector) return {read_vector(node)};
+  const bool is_list = node.value->is_array() && !node.value->array().empty();
+  const auto has_three = [](const SceneValue& value) {
+    return value.is_array() && value.array().size() == 3;
+  };
+  if (is_list && !node.value->array().front().is_array()) {
+    if (!has_three(*node.value)) return {read_vector(node)};
+    Vector3 direction;
+    for (std::size_t i = 0; i < 3; ++i)
+      direction[static_cast<Eigen::Index>(i)] = read_number(node.element(i));
+    return {direction};
+  }
   if (node.value->is_table()) refuse_unknown_keys(node, {"file"});
   const SceneNode rows = node.value->is_table() ? node.child("file") : node;
-  const auto dim = static_cast<std::size_t>(node.context->dimension);
+  const bool has_across = is_list && std::ranges::all_of(node.value->array(), has_three);
+  const std::size_t dim = has_across ? 3 : static_cast<std::size_t>(node.context->dimension);
   const NumberTable table =
       read_rows(rows, static_cast<std::size_t>(solid_cells(node, mesh).num_cells()), dim, "cell");
   std::vector<Vector3> directions(table.num_rows(), Vector3::Zero());
@@ -195,33 +206,101 @@ void read_fibres(const SceneNode& node, const Mesh& mesh, MaterialDescription& m
     material.fibres.push_back(read_directions(node.element(i), mesh));
 }
 
+/// Constants and fibres of a law, from their table. The small-strain solid that `material` has is replaced by
+/// the formula's own constants where those are given.
+void read_law(const SceneNode& node, const Mesh& mesh, const LawInfo& law, MaterialDescription& material) {
+  if (!std::isnan(law.only_poissons_ratio)) material.constants["poissons_ratio"] = law.only_poissons_ratio;
+  if (node.has("fibres")) read_fibres(node.child("fibres"), mesh, material);
+  const auto is_given = [&node](const ConstantText& constant) {
+    return !constant.is_free && node.has(std::string(constant.name));
+  };
+  if (std::ranges::any_of(law.constants, is_given)) material.constants.clear();
+  for (const std::string& name : constant_names(law)) {
+    if (!node.has(name)) continue;
+    material.constants.erase(name);
+    read_constant(node.child(name), name, mesh, material);
+  }
+}
+
+/// Puts a part of a sum behind those before it.
+void add_part(const LawInfo& law, const std::string& place, std::size_t number, MaterialDescription part,
+              MaterialDescription& material) {
+  const auto most = static_cast<std::size_t>(law.max_fibres);
+  if (part.fibres.size() > most || (most > 0 && part.fibres.empty()))
+    throw InputError(place + ".fibres",
+                     most == 0 ? "nothing: " + std::string(law.name) + " has no fibres"
+                               : "1 to " + std::to_string(most) + " families of directions",
+                     part.fibres.empty() ? "none" : std::to_string(part.fibres.size()) + " families");
+  part.fibres.resize(most);  // an empty one is absent
+  for (const auto& [name, value] : part.constants) material.constants[sum_constant(number, name)] = value;
+  for (auto& [name, values] : part.cell_constants)
+    material.cell_constants[sum_constant(number, name)] = std::move(values);
+  for (auto& directions : part.fibres) material.fibres.push_back(std::move(directions));
+}
+
+void read_sum(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
+  constexpr std::size_t most_parts = 9;
+  expect_list(node, "tables { law, ... }, the parts of the sum");
+  const std::size_t count = node.value->array().size();
+  if (count < 2 || count > most_parts)
+    node.fail("2 to " + std::to_string(most_parts) + " tables { law, ... }", "for one law leave sum out");
+  material.constants.clear();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SceneNode entry = node.element(i);
+    expect_table(entry);
+    if (!entry.has("law")) entry.fail_with("a part of a sum needs its law");
+    names.push_back(read_choice(entry.child("law"), law_names()));
+    const LawInfo& law = require_law(names.back(), entry.place() + ".law");
+    if (law.is_quadratic)
+      entry.child("law").fail("a law for large strain", "take saint_venant_kirchhoff or corotated");
+    std::vector<std::string> known = constant_names(law);
+    known.insert(known.end(), {"law", "fibres"});
+    refuse_unknown_keys(entry, known);
+    MaterialDescription part;
+    part.constants.clear();
+    const bool is_hooke = entry.has("youngs_modulus");
+    read_law(entry, mesh, law, part);
+    if (!is_hooke && !entry.has("poissons_ratio")) part.constants.erase("poissons_ratio");
+    add_part(law, entry.place(), i, std::move(part), material);
+  }
+  material.law = sum_name(names);
+}
+
+Keys<MaterialDescription> sum_keys() {
+  using M = MaterialDescription;
+  return {
+      key<M>({"sum", "list of tables { law, ... }", "", "none",
+              "A sum of laws in place of one: each table has a `law`, its constants and its `fibres`. Moduli "
+              "may be "
+              "zero or left out ([materials](materials.md#sums-of-models))."},
+             [](const SceneNode&, M&) {}),
+  };
+}
+
 }  // namespace
 
 void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
   expect_table(node);
   material.place = node.place();
+  if (node.has("sum")) {
+    for (const char* key : {"law", "fibres"})
+      if (node.has(key)) node.child(key).fail_with("stands in the tables of sum; leave it out here");
+    if (node.has("library"))
+      node.child("library").fail_with("brings its law and constants; leave it or sum out");
+    read_table(node, material_keys(), material, {"sum"});
+    return read_sum(node.child("sum"), mesh, material);
+  }
   if (node.has("library")) {
     refuse_beside_library(node);
     material.law = find_library_material(read_text(node.child("library")), node.place()).law;
   }
   if (node.has("law")) material.law = read_choice(node.child("law"), law_names());
   const LawInfo& law = require_law(material.law, node.place() + ".law");
-  const std::vector<std::string> constants = constant_names(law);
-  std::vector<std::string> known = constants;
-  known.emplace_back("fibres");
+  std::vector<std::string> known = constant_names(law);
+  known.insert(known.end(), {"fibres", "sum"});
   read_table(node, material_keys(), material, known);
-  if (!std::isnan(law.only_poissons_ratio)) material.constants["poissons_ratio"] = law.only_poissons_ratio;
-  if (node.has("fibres")) read_fibres(node.child("fibres"), mesh, material);
-  // The small-strain solid has defaults, unless the formula's own constants are given.
-  const auto is_given = [&node](const ConstantText& constant) {
-    return !constant.is_free && node.has(std::string(constant.name));
-  };
-  if (std::ranges::any_of(law.constants, is_given)) material.constants.clear();
-  for (const std::string& name : constants) {
-    if (!node.has(name)) continue;
-    material.constants.erase(name);
-    read_constant(node.child(name), name, mesh, material);
-  }
+  read_law(node, mesh, law, material);
 }
 
 TableDoc viscoelastic_doc() {
@@ -248,11 +327,14 @@ TableDoc material_doc() {
   const auto add = [&](const char* name, const char* type, const char* unit, const char* text) {
     doc.keys.push_back({name, type, unit, default_text(defaults.constants.at(name)), text});
   };
+  const TableDoc sum = document("sum", "", sum_keys());
+  doc.keys.insert(doc.keys.begin() + 1, sum.keys.front());
   add("youngs_modulus", "number > 0", "Pa", "Young's modulus at small strain.");
   add("poissons_ratio", "number > -1 and < 0.5", "", "Poisson's ratio at small strain.");
   doc.keys.push_back({"fibres", "list of directions", "", "",
                       "For " + names_of_laws_with_fibres() +
-                          ": a reference direction for each fibre family, or `{ file = \"fibres.csv\" }` or "
+                          ": a reference direction for each fibre family (in 2D a third number is the "
+                          "component across the plane), or `{ file = \"fibres.csv\" }` or "
                           "a list with one for each cell; they rotate with the body's rotate."});
   for (const LawInfo* law : laws()) {
     for (const ConstantText& constant : law->constants) {

@@ -2,6 +2,7 @@
 
 #include "resilin/element/axisymmetric.hpp"
 #include "resilin/io/atomic_file.hpp"
+#include "resilin/material/law_sum.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/scene/tables.hpp"
 
@@ -41,11 +42,16 @@ void refuse_fit(const SceneNode& root) {
 }
 
 /// In plane stress each body has the twins of its laws (material/plane_stress.hpp).
+void take_plane_stress(MaterialDescription& material) {
+  if (find_law(material.law) != nullptr && is_sum(*find_law(material.law)))
+    throw InputError(material.place + ".sum", "one law in plane stress", '"' + material.law + '"',
+                     "take one law, or plane strain or 3D");
+  material.law = plane_stress_name(material.law);
+}
 void take_plane_stress(Description& d) {
   for (BodyDescription& body : d.bodies) {
-    body.material.law = plane_stress_name(body.material.law);
-    for (RegionDescription& region : body.regions)
-      region.material.law = plane_stress_name(region.material.law);
+    take_plane_stress(body.material);
+    for (RegionDescription& region : body.regions) take_plane_stress(region.material);
   }
 }
 

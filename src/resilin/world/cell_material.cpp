@@ -8,6 +8,8 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/material/law_sum.hpp"
+#include "resilin/material/material_axes.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/material/rest_tangents.hpp"
 
@@ -50,11 +52,19 @@ FibreDirections fibres_of_cells(const LawInfo& law, const MaterialDescription& m
                      "for example fibres = [[1, 0, 0]]");
   const Eigen::Matrix3d turn = rotation_matrix(rotation);
   const auto count = static_cast<std::size_t>(num_cells);
-  const bool is_uniform =
-      std::ranges::all_of(families, [](const auto& directions) { return directions.size() == 1; });
+  // A part of a sum may have fewer families than it could: the others are empty.
+  const auto is_absent = [&law](const std::vector<Vector3>& directions) {
+    return is_sum(law) && directions.empty();
+  };
+  const bool is_uniform = std::ranges::all_of(
+      families, [&](const auto& directions) { return directions.size() == 1 || is_absent(directions); });
   FibreDirections fibres{{}, families.size()};
-  for (std::size_t cell = 0; cell < (is_uniform ? 1 : count); ++cell)
+  for (std::size_t cell = 0; cell < (is_uniform ? 1 : count); ++cell) {
     for (const auto& directions : families) {
+      if (is_absent(directions)) {
+        fibres.directions.emplace_back(Vector3::Zero());
+        continue;
+      }
       if (directions.size() != 1 && directions.size() != count)
         throw InputError(place, "one direction, or one for each of " + std::to_string(count) + " cells",
                          std::to_string(directions.size()));
@@ -69,6 +79,9 @@ FibreDirections fibres_of_cells(const LawInfo& law, const MaterialDescription& m
                          "leave its third component zero or take plane strain");
       fibres.directions.push_back(turn * direction / length);
     }
+    if (has_parallel_axes(law, std::span(fibres.directions).last(families.size())))
+      throw InputError(place + ", cell " + std::to_string(cell), axes_expected, "parallel ones", axes_cure);
+  }
   return fibres;
 }
 

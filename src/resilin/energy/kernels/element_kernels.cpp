@@ -135,7 +135,8 @@ template <int dim>
                                  const OwnedNodes& owned, double* forces) {
   const int rows = num_slopes(law.kind);
   for_lanes<dim>(tile, [&](const Place<dim>& at) {
-    Lanes H[dim * dim], frame[frame_rows(dim)], slopes[5], P[dim * dim], g[dim][dim], f[dim + 1][dim];
+    Lanes H[dim * dim], frame[frame_rows(dim)], slopes[max_slopes], P[dim * dim], g[dim][dim],
+        f[dim + 1][dim];
     load_rows(H_rows + at.row(dim * dim), dim * dim, H);
     load_rows(law_gradient + at.row(rows), rows, slopes);
     if (law.kind == LawKind::stretches) load_rows(frames + at.row(frame_rows(dim)), frame_rows(dim), frame);

@@ -72,6 +72,41 @@ RESILIN_INLINE void fibre_stress(const LawForm& form, const Lanes H[], const Lan
     for (int k = 0; k < dim; ++k) P[dim * i + k] = P3[3 * i + k];
 }
 
+/// Where the variables of AxesStrain have the strain of two axes.
+struct AxesPair {
+  int row, p, q;
+};
+constexpr AxesPair axes_pairs[6] = {{0, 0, 0}, {1, 1, 1}, {3, 2, 2}, {4, 0, 1}, {5, 1, 2}, {6, 2, 0}};
+
+/// The second Piola-Kirchhoff stress of the derivatives by the strains alone.
+RESILIN_INLINE void axes_second_stress(const Lanes a[9], const Lanes g[7], Lanes S[9]) {
+  for (int i = 0; i < 9; ++i) S[i] = 0.0;
+  for (const AxesPair& pair : axes_pairs) {
+    const Lanes half = 0.5 * g[pair.row];
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        S[3 * i + k] +=
+            half * (a[3 * pair.p + i] * a[3 * pair.q + k] + a[3 * pair.q + i] * a[3 * pair.p + k]);
+  }
+}
+
+/// F S + Psi_j cof F.
+template <int dim>
+RESILIN_INLINE void axes_stress(const Lanes H[], const Lanes g[7], const double* directions, Lanes P[]) {
+  Lanes H3[9], a[9], S[9], cof_H[9], Y[9];
+  embed<dim>(H, H3);
+  material_axes(directions, a);
+  axes_second_stress(a, g, S);
+  cofactor(H3, cof_H);
+  cofactor_minus_identity(H3, cof_H, Y);
+  for (int i = 0; i < dim; ++i)
+    for (int k = 0; k < dim; ++k) {
+      Lanes sum = S[3 * i + k] + g[2] * Y[3 * i + k];
+      for (int m = 0; m < 3; ++m) sum += H3[3 * i + m] * S[3 * m + k];
+      P[dim * i + k] = i == k ? sum + g[2] : sum;
+    }
+}
+
 /// P for a law of any kind, from H (not for stretches) or the frame (for stretches alone).
 template <int dim>
 RESILIN_INLINE void stress(const LawForm& law, const Lanes H[], const Lanes frame[], const double* directions,
@@ -82,6 +117,9 @@ RESILIN_INLINE void stress(const LawForm& law, const Lanes H[], const Lanes fram
       break;
     case LawKind::fibres:
       fibre_stress<dim>(law, H, g, directions, P);
+      break;
+    case LawKind::axes:
+      axes_stress<dim>(H, g, directions, P);
       break;
     default:
       isotropic_stress<dim>(law, H, g, P);

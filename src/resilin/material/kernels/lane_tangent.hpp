@@ -303,6 +303,51 @@ struct FibreDerivatives {
   }
 };
 
+/// Unprojected, of a law of axes, from the rows of its kernel: with y_m the gradients of the variables,
+/// A = sum_mn h_mn y_m y_n^T, and dF S dF of the strains and Psi_j of the second derivative of J beside.
+RESILIN_INLINE void axes_tangent3(const Lanes H[9], const double* directions, const double* rows,
+                                  Lanes A[81]) {
+  constexpr int n = 7;
+  Lanes F[9], a[9], Fa[9], S[9], y[n][9], g[n];
+  for (int i = 0; i < 9; ++i) F[i] = H[i];
+  add_identity<3>(F);
+  load_rows(rows, n, g);
+  material_axes(directions, a);
+  axes_second_stress(a, g, S);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < 3; ++i) Fa[3 * axis + i] = dot<3>(F + 3 * i, a + 3 * axis);
+  for (const AxesPair& pair : axes_pairs)
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        y[pair.row][3 * i + k] =
+            0.5 * (Fa[3 * pair.p + i] * a[3 * pair.q + k] + Fa[3 * pair.q + i] * a[3 * pair.p + k]);
+  cofactor(F, y[2]);
+  Lanes h[n][n];
+  for (int m = 0, place = n; m < n; ++m)
+    for (int k = m; k < n; ++k, ++place) h[m][k] = h[k][m] = Lanes::load(rows + place * block_size);
+  for (int p = 0; p < 9; ++p) {
+    const int i = p / 3, k = p % 3;
+    Lanes left[n];
+    for (int m = 0; m < n; ++m) {
+      left[m] = h[0][m] * y[0][p];
+      for (int q = 1; q < n; ++q) left[m] += h[q][m] * y[q][p];
+    }
+    for (int q = p; q < 9; ++q) {
+      const int j = q / 3, l = q % 3;
+      Lanes sum = left[0] * y[0][q];
+      for (int m = 1; m < n; ++m) sum += left[m] * y[m][q];
+      if (i == j) sum += S[3 * k + l];
+      if (i != j && k != l) {  // d cof_ik/dF_jl = +/- F_mn, m and n the third indices
+        const bool is_plus = ((j - i + 3) % 3 == 1) == ((l - k + 3) % 3 == 1);
+        const Lanes entry = F[3 * (3 - i - j) + 3 - k - l];
+        sum += is_plus ? g[2] * entry : -(g[2] * entry);
+      }
+      A[9 * p + q] = sum;
+      A[9 * q + p] = sum;
+    }
+  }
+}
+
 template <int dim>
 RESILIN_INLINE void small_strain_tangent(const double* rows, Lanes A[]) {
   const Lanes slope = Lanes::load(rows), curvature = Lanes::load(rows + 8 * block_size);
@@ -358,6 +403,8 @@ RESILIN_INLINE void tangent(const LawForm& law, double removed, const Lanes H[],
       Lanes a[6];
       load_rows(directions, 6, a);
       plain_tangent3<2>(H3, d.isotropic, law.uses_second_invariant, a, d.slopes, d.mixed, A3);
+    } else if (law.kind == LawKind::axes) {
+      axes_tangent3(H3, directions, rows, A3);
     } else {
       plain_tangent3<0>(H3, invariant_derivatives(rows), law.uses_second_invariant, nullptr, nullptr, nullptr,
                         A3);

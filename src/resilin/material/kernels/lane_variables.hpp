@@ -1,5 +1,6 @@
 #pragma once
 
+#include "resilin/core/simd_intrinsics.hpp"
 #include "resilin/core/simd_math.hpp"
 #include "resilin/core/simd_svd.hpp"
 #include "resilin/material/kernels/lane_tensors.hpp"
@@ -110,8 +111,50 @@ RESILIN_INLINE void fibre_variables(const Lanes H[], bool has_second_invariant, 
   }
 }
 
-/// The variables of the law's kind. `directions` is used for fibres alone; `frame`, which may be null, is
-/// filled for stretches alone.
+/// Orthonormal material axes from the directions of the first and the second: the second is made
+/// perpendicular to the first. Where it is missing it is z x a_1, so that axes of the plane stay in it, or
+/// x x a_1 along z; where both are, the axes are x, y, z.
+RESILIN_INLINE void material_axes(const double* directions, Lanes a[9]) {
+  load_rows(directions, 6, a);
+  const Mask has_first = dot<3>(a, a) > Lanes(0.5), has_second = dot<3>(a + 3, a + 3) > Lanes(0.5);
+  for (int i = 0; i < 3; ++i) a[i] = select(has_first, a[i], i == 0 ? 1.0 : 0.0);
+  const Mask is_along_z = a[2] * a[2] > Lanes(0.81);
+  const Lanes across[3] = {select(is_along_z, 0.0, -a[1]), select(is_along_z, -a[2], a[0]),
+                           select(is_along_z, a[1], 0.0)};
+  for (int i = 0; i < 3; ++i) a[3 + i] = select(has_second, a[3 + i], across[i]);
+  const Lanes overlap = dot<3>(a, a + 3);
+  for (int i = 0; i < 3; ++i) a[3 + i] -= overlap * a[i];
+  const Lanes factor = 1.0 / sqrt(dot<3>(a + 3, a + 3));
+  for (int i = 0; i < 3; ++i) a[3 + i] = factor * a[3 + i];
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    a[6 + i] = a[i1] * a[3 + i2] - a[i2] * a[3 + i1];
+  }
+}
+
+/// The variables of AxesStrain.
+template <int dim>
+RESILIN_INLINE void axes_strain(const Lanes H[], const double* directions, Lanes out[7]) {
+  Lanes H3[9], a[9], Ha[9];
+  embed<dim>(H, H3);
+  invariants<3>(H3, false, out);
+  material_axes(directions, a);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < 3; ++i) Ha[3 * axis + i] = dot<3>(H3 + 3 * i, a + 3 * axis);
+  const auto strain = [&](int p, int q) {
+    return 0.5 *
+           (dot<3>(a + 3 * p, Ha + 3 * q) + dot<3>(a + 3 * q, Ha + 3 * p) + dot<3>(Ha + 3 * p, Ha + 3 * q));
+  };
+  out[0] = strain(0, 0);
+  out[1] = strain(1, 1);
+  out[3] = strain(2, 2);
+  out[4] = strain(0, 1);
+  out[5] = strain(1, 2);
+  out[6] = strain(2, 0);
+}
+
+/// The variables of the law's kind. `directions` is used for fibres and axes alone; `frame`, which may be
+/// null, is filled for stretches alone.
 template <int dim>
 RESILIN_INLINE void variables_of(const LawForm& law, const Lanes H[], const double* directions,
                                  Lanes out[max_variables], Lanes frame[]) {
@@ -121,6 +164,8 @@ RESILIN_INLINE void variables_of(const LawForm& law, const Lanes H[], const doub
     small_strain<dim>(H, out);
   else if (law.kind == LawKind::stretches)
     stretches<dim>(H, out, frame);
+  else if (law.kind == LawKind::axes)
+    axes_strain<dim>(H, directions, out);
   else
     fibre_variables<dim>(H, law.uses_second_invariant, directions, out);
 }
@@ -128,7 +173,7 @@ RESILIN_INLINE void variables_of(const LawForm& law, const Lanes H[], const doub
 /// Stores as many of them as the law's kind has.
 RESILIN_INLINE void store_variables(const LawForm& law, const Lanes variables[max_variables], double* rows) {
   store_rows(variables, 3, rows);
-  if (law.kind == LawKind::fibres) store_rows(variables + 3, 4, rows + 3 * block_size);
+  if (num_variables(law.kind) > 3) store_rows(variables + 3, 4, rows + 3 * block_size);
 }
 
 }  // namespace resilin::RESILIN_SIMD_NAMESPACE

@@ -74,6 +74,9 @@ RESILIN_INLINE auto read_variables(const double* rows) {
     Real e[3];
     for (int i = 0; i < 3; ++i) e[i] = lifted<Real>(Lanes::load(rows + i * block_size));
     return Stretches<T>(e);
+  } else if constexpr (kind == LawKind::axes) {
+    return AxesStrain<T>{variable(0), variable(1), variable(2), variable(3),
+                         variable(4), variable(5), variable(6)};
   } else {
     FibreInvariants<T> c{
         Invariants<T>::from_reduced(variable(0), variable(1), variable(2)), {variable(3), variable(4)}, {}};
@@ -134,7 +137,8 @@ RESILIN_INLINE auto read_first_order(const double* rows) {
 /// The value of Psi alone. Stretches and fibres are written with numbers that carry derivatives in any case.
 template <class Real, class Law>
 RESILIN_INLINE Real value_of(const Law& law, const double* variables) {
-  if constexpr (Law::kind == LawKind::invariants || Law::kind == LawKind::small_strain)
+  if constexpr (Law::kind == LawKind::invariants || Law::kind == LawKind::small_strain ||
+                Law::kind == LawKind::axes)
     return law.energy_density(read_variables<Law::kind, Real, Real>(variables));
   else
     return law.energy_density(read_first_order<Law::kind, Real>(variables)).value;

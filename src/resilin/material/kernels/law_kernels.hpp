@@ -9,21 +9,23 @@ namespace resilin {
 
 /// Rows of lanes that a law of this kind takes for each block: d1, d2, j of Invariants; eps:eps, nothing, tr
 /// eps of SmallStrain; e_1, e_2, e_3 of Stretches; d1, d2, j, the two stretches and the two weights of
-/// FibreInvariants.
-constexpr int num_variables(LawKind kind) { return kind == LawKind::fibres ? 7 : 3; }
+/// FibreInvariants; the members of AxesStrain.
+constexpr int num_variables(LawKind kind) { return kind == LawKind::fibres || kind == LawKind::axes ? 7 : 3; }
 /// How many of them Psi is differentiated by.
-constexpr int num_slopes(LawKind kind) { return kind == LawKind::fibres ? 5 : 3; }
+constexpr int num_slopes(LawKind kind) { return kind == LawKind::fibres ? 5 : kind == LawKind::axes ? 7 : 3; }
 /// Rows of `LawKernels::curvature`.
 constexpr int num_curvature_rows(LawKind kind) {
   const int n = num_slopes(kind);
   return n + n * (n + 1) / 2 + (kind == LawKind::stretches ? 6 : 0);
 }
 /// Capacity of loops over states; a law with more does not compile.
-constexpr std::size_t max_constants = 8;
+constexpr std::size_t max_constants = 12;
 /// Where `gradient` has dPsi/dj, and `curvature` d2Psi/dj2 (for laws whose variables have a j).
 constexpr int volume_slope_row = 2;
-constexpr int volume_curvature_row(LawKind kind) { return kind == LawKind::fibres ? 14 : 8; }
-constexpr int max_variables = 7, max_slopes = 5, max_curvature_rows = 20;
+constexpr int volume_curvature_row(LawKind kind) {
+  return kind == LawKind::fibres ? 14 : kind == LawKind::axes ? 20 : 8;
+}
+constexpr int max_variables = 7, max_slopes = 7, max_curvature_rows = 35;
 
 /// Rows of lanes that hold the rest directions of fibres: three components of one family, then those of the
 /// next; zero where there is no such family.

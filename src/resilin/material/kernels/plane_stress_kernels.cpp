@@ -89,7 +89,9 @@ struct Chain {
     return total;
   }
 
-  /// dPsi/de and d2Psi/de2 from the rows of the law's curvature.
+  /// dPsi/de from the rows of the law's gradient.
+  RESILIN_INLINE Lanes slope_by_thickness(const double* rows) const { return sum(rows, by_e); }
+  /// The same and d2Psi/de2 from the rows of its curvature.
   RESILIN_INLINE void by_thickness(const double* rows, Lanes& slope, Lanes& curvature) const {
     slope = sum(rows, by_e);
     curvature = sum(rows + n * block_size, by_e, by_e) + sum(rows, ee);
@@ -142,6 +144,7 @@ struct Chain<LawKind::stretches> {
     e.store(out + 2 * block_size);
   }
   RESILIN_INLINE static Lanes at(const double* rows, int row) { return Lanes::load(rows + row * block_size); }
+  RESILIN_INLINE static Lanes slope_by_thickness(const double* rows) { return at(rows, 2); }
   RESILIN_INLINE void by_thickness(const double* rows, Lanes& slope, Lanes& curvature) const {
     slope = at(rows, 2);
     curvature = at(rows, n + pair_place(n, 2, 2));
@@ -167,6 +170,59 @@ struct Chain<LawKind::stretches> {
   RESILIN_INLINE static Lanes square_sum(const double* plane) {
     const Lanes a = 1.0 + at(plane, 0), b = 1.0 + at(plane, 1);
     return a * a + b * b;
+  }
+};
+
+/// Where the first two axes lie in the plane the thickness is along the third: E_33 = e + e^2/2 and
+/// j' = j + e + j e.
+template <>
+struct Chain<LawKind::axes> {
+  static constexpr int n = num_slopes(LawKind::axes), third = 3;
+  static constexpr bool is_small = false;
+  Lanes e, t, J;
+
+  RESILIN_INLINE Chain(const double* plane, Lanes strain)
+      : e(strain), t(1.0 + strain), J(1.0 + at(plane, volume_slope_row)) {}
+  RESILIN_INLINE static Lanes at(const double* rows, int row) { return Lanes::load(rows + row * block_size); }
+  RESILIN_INLINE static Lanes entry(const double* curvatures, int m, int k) {
+    return at(curvatures, pair_place(n, m, k));
+  }
+  RESILIN_INLINE void store_variables(const double* plane, double* out) const {
+    for (int row = 0; row < n; ++row) at(plane, row).store(out + row * block_size);
+    (at(plane, volume_slope_row) + e * J).store(out + volume_slope_row * block_size);
+    (e + 0.5 * e * e).store(out + third * block_size);
+  }
+  RESILIN_INLINE Lanes slope_by_thickness(const double* rows) const {
+    return at(rows, third) * t + at(rows, volume_slope_row) * J;
+  }
+  RESILIN_INLINE void by_thickness(const double* rows, Lanes& slope, Lanes& curvature) const {
+    const double* all = rows + n * block_size;
+    slope = slope_by_thickness(rows);
+    curvature = entry(all, third, third) * t * t + 2.0 * entry(all, volume_slope_row, third) * t * J +
+                entry(all, volume_slope_row, volume_slope_row) * J * J + at(rows, third);
+  }
+  /// d j'/dj, and nothing of E_33, which no state of the plane has.
+  RESILIN_INLINE Lanes factor(int a) const {
+    if (a == volume_slope_row) return t;
+    return a == third ? 0.0 : 1.0;
+  }
+  RESILIN_INLINE void mixed(const double* rows, Lanes out[n]) const {
+    const double* all = rows + n * block_size;
+    for (int a = 0; a < n; ++a)
+      out[a] = factor(a) * (entry(all, a, third) * t + entry(all, a, volume_slope_row) * J);
+    out[volume_slope_row] += at(rows, volume_slope_row);
+  }
+  RESILIN_INLINE void slopes(const double* rows, Lanes out[n]) const {
+    for (int a = 0; a < n; ++a) out[a] = factor(a) * at(rows, a);
+  }
+  RESILIN_INLINE void curvatures(const double* rows, Lanes out[]) const {
+    const double* all = rows + n * block_size;
+    for (int a = 0; a < n; ++a)
+      for (int b = a; b < n; ++b) out[pair_place(n, a, b)] = factor(a) * factor(b) * entry(all, a, b);
+  }
+  RESILIN_INLINE static Lanes area_change(const double* plane) { return at(plane, volume_slope_row); }
+  RESILIN_INLINE static Lanes square_sum(const double* plane) {
+    return 2.0 * (at(plane, 0) + at(plane, 1)) + 2.0;
   }
 };
 
@@ -400,10 +456,7 @@ void constant_gradient_of(const LawKernels& solid, const LawBatch& batch, int p)
       points.load_mixed(block, lane, mixed, stiffness);
       out[0] = Lanes::load(law);
       chain.slopes(law + block_size, out + 1);
-      if constexpr (kind == LawKind::stretches)
-        slope = Lanes::load(law + 3 * block_size);
-      else
-        slope = chain.sum(law + block_size, chain.by_e);
+      slope = chain.slope_by_thickness(law + block_size);
       for (int a = 0; a < n; ++a) out[1 + a] -= mixed[a] * slope / stiffness;
       store_rows(out, n + 1, results + block * ((n + 1) * block_size) + lane);
     });
@@ -421,12 +474,7 @@ void constant_curvature_of(const LawKernels& solid, const LawBatch& batch, int p
       points.for_lanes([&](std::size_t block, int lane) {
         const auto chain = points.chain(block, lane);
         const double* law = points.law(block, lane, n + 1) + block_size;
-        Lanes slope;
-        if constexpr (kind == LawKind::stretches)
-          slope = Lanes::load(law + 2 * block_size);
-        else
-          slope = chain.sum(law, chain.by_e);
-        slope.store(slopes[which] + block * block_size + lane);
+        chain.slope_by_thickness(law).store(slopes[which] + block * block_size + lane);
       });
     }
     points.call_constant_curvature(p, q);
@@ -461,8 +509,12 @@ void with_kind(LawKind kind, const Body& body) {
       return body.template operator()<LawKind::stretches>();
     case LawKind::fibres:
       return body.template operator()<LawKind::fibres>();
+    case LawKind::axes:
+      return body.template operator()<LawKind::axes>();
     case LawKind::small_strain:
       return body.template operator()<LawKind::small_strain>();
+    case LawKind::sum:  // has no twin in plane stress
+      return;
   }
 }
 
