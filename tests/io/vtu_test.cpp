@@ -11,6 +11,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/io/atomic_file.hpp"
 #include "resilin/mesh/generators.hpp"
+#include "shared_data.hpp"
 #include "temporary_folder.hpp"
 
 namespace resilin {
@@ -73,6 +74,23 @@ TEST(Vtu, RefusesAFileThatIsCutAnywhere) {
   EXPECT_EQ(testing::refusal("a.vtu", whole), "");
   EXPECT_EQ(testing::refusal("a.vtu", whole + "\n\n"), "");
   EXPECT_THAT(testing::refusal("a.vtu", whole + "12"), HasSubstr("the end of the file behind </VTKFile>"));
+}
+
+TEST(Vtu, TellsOfBytesBehindTheData) {
+  for (const char* name :
+       {"cube_raw.vtu", "cube_base64.vtu", "cube_compressed.vtu", "cube_raw.vtp", "cube_base64.vtp",
+        "cube_compressed.vtp", "cube_ascii.vtu", "cube_inline.vtu", "cube_ascii.vtp", "cube_inline.vtp"}) {
+    const std::string whole = read_file(testing::source_folder() / "tests" / "data" / "meshes" / name);
+    ASSERT_EQ(testing::refusal(name, whole), "") << name;
+    const std::size_t end_of_data = whole.rfind("</AppendedData>"), end = whole.rfind("</VTKFile>");
+    const auto with = [&](std::size_t at) { return std::string(whole).insert(at, "#more#"); };
+    EXPECT_THAT(testing::refusal(name, whole + "#more#</VTKFile>"), HasSubstr("the end of the file")) << name;
+    EXPECT_EQ(testing::refusal(name, std::string(whole).insert(end, "  \n")), "") << name;
+    if (end_of_data == whole.npos) continue;
+    EXPECT_THAT(testing::refusal(name, with(end_of_data)), HasSubstr("</AppendedData> behind the data, got "))
+        << name;
+    EXPECT_THAT(testing::refusal(name, with(end)), HasSubstr("</VTKFile> behind the data, got ")) << name;
+  }
 }
 
 TEST(Vtu, RefusesCellsOfPointsThatDoNotExist) {

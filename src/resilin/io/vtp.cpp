@@ -41,6 +41,7 @@ class VtpReader {
     add_polygons(strips_, count(piece, "NumberOfStrips"), /*is_strip=*/true);
     if (num_polygons_ == 0)
       throw InputError(file_, "polygons", "none", "points and lines alone are no surface");
+    decoder_.require_end(tags_);
     return mesh_.finish();
   }
 

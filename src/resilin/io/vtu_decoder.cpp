@@ -123,6 +123,57 @@ std::string_view VtuDecoder::appended_at(const XmlTag& array) const {
   return appended_.substr(static_cast<std::size_t>(offset));
 }
 
+std::size_t VtuDecoder::end_of_appended(const XmlTag& array) const {
+  constexpr std::string_view base64 =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/= \t\r\n";
+  const std::string_view data = appended_at(array);
+  const std::size_t begin = appended_.size() - data.size();
+  if (is_appended_base64_) return std::min(appended_.find_first_not_of(base64, begin), appended_.size());
+  const auto number_at = [&](std::uint64_t i) {
+    const std::uint64_t at = i * header_size_;
+    if (at + header_size_ > data.size()) return std::uint64_t{0};
+    return bits(data.substr(static_cast<std::size_t>(at), header_size_));
+  };
+  std::uint64_t size = header_size_ + number_at(0);
+  if (is_compressed_) {
+    const std::uint64_t num_blocks = std::min<std::uint64_t>(number_at(0), data.size());
+    size = (num_blocks == 0 ? 1 : 3 + num_blocks) * header_size_;
+    for (std::uint64_t b = 0; b < num_blocks && size <= data.size(); ++b) size += number_at(3 + b);
+  }
+  return begin + static_cast<std::size_t>(std::min<std::uint64_t>(size, data.size()));
+}
+
+void VtuDecoder::require_end(std::span<const XmlTag> tags) const {
+  constexpr std::string_view blanks = " \t\r\n";
+  std::string_view rest;
+  const auto skip_blanks = [&] { rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size())); };
+  const auto refuse = [&](const std::string& expected) {
+    throw InputError(file_, expected, std::to_string(rest.size()) + " more bytes");
+  };
+  if (appended_.data() != nullptr) {
+    std::size_t end = 0;
+    for (const XmlTag& tag : tags)
+      if (tag.name == "DataArray" && tag.attribute("format") == "appended")
+        end = std::max(end, end_of_appended(tag));
+    rest = appended_.substr(end);
+    for (const std::string name : {"</AppendedData", "</VTKFile"}) {
+      skip_blanks();
+      if (rest.empty()) return;
+      if (!rest.starts_with(name)) refuse(name + "> behind the data");
+      rest.remove_prefix(name.size());
+      skip_blanks();
+      if (!rest.starts_with(">")) refuse("the end of " + name + ">");
+      rest.remove_prefix(1);
+    }
+  } else {
+    const auto end = std::ranges::find(tags, "/VTKFile", &XmlTag::name);
+    if (end == tags.end()) return;
+    rest = bytes_.substr(end->text_begin);
+  }
+  skip_blanks();
+  if (!rest.empty()) refuse("the end of the file behind </VTKFile>");
+}
+
 /// The header that counts the bytes of an array, checked against those that there are.
 std::string VtuDecoder::decoded_base64(const XmlTag& array, std::string_view text) const {
   const std::string start = decode_base64(text, header_size_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,11 +25,17 @@ class VtuDecoder {
   /// All values of an array, integers as the doubles nearest to them.
   std::vector<double> values(const XmlTag& array) const;
 
+  /// Throws InputError where more follows the data and the end tags.
+  /// @param tags  of the file, in order
+  void require_end(std::span<const XmlTag> tags) const;
+
   /// "FILE: array "NAME"".
   std::string place(const XmlTag& array) const;
 
  private:
   std::string_view appended_at(const XmlTag& array) const;
+  /// Where the appended data of an array end, counted from their start.
+  std::size_t end_of_appended(const XmlTag& array) const;
   std::string raw_bytes(const XmlTag& array) const;
   std::string decompressed(const XmlTag& array, std::string_view data, bool is_base64) const;
   std::uint64_t header(std::string_view bytes) const;

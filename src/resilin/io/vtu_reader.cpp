@@ -45,7 +45,6 @@ class VtuReader {
         decoder_(file, bytes, vtk_root(file, tags_, "UnstructuredGrid")),
         mesh_(file, "VTU", "cell") {
     sort_tags();
-    refuse_more_behind_end(bytes);
   }
 
   VtuContent read() {
@@ -68,6 +67,7 @@ class VtuReader {
       else
         content.numbers[array.attribute("Name")] = number[0];
     }
+    decoder_.require_end(tags_);
     restore_groups(content);
     content.file = mesh_.finish();
     restore_fields(content);
@@ -94,17 +94,6 @@ class VtuReader {
       if (times[name] > 1)
         throw InputError(file_, "one <" + std::string(name) + ">", std::to_string(times[name]),
                          "remove the others: it is not clear which one holds");
-  }
-
-  /// The bytes of appended data are no XML: where they end, the last end tag says.
-  void refuse_more_behind_end(std::string_view bytes) const {
-    constexpr std::string_view end_tag = "</VTKFile>";
-    const std::size_t end = bytes.rfind(end_tag);
-    if (end == bytes.npos) return;
-    const std::string_view more = bytes.substr(end + end_tag.size());
-    if (more.find_first_not_of(" \t\r\n") == more.npos) return;
-    throw InputError(file_, "the end of the file behind </VTKFile>",
-                     std::to_string(more.size()) + " more bytes");
   }
 
   std::size_t count(const std::string& attribute) const {

@@ -3,13 +3,13 @@
 
 #include "resilin/linear/catalog.hpp"
 #include "resilin/linear/direct_solver.hpp"
+#include "resilin/linear/ordering.hpp"
 #include "resilin/linear/scalar_columns.hpp"
 
 namespace resilin {
 namespace {
 
-/// Eigen's simplicial L D L^T in approximate minimum degree order: always there, quick for small systems
-/// only.
+/// Eigen's simplicial L D L^T in an order of the nodes: always there, quick for small systems only.
 class SimplicialSolver : public DirectSolver {
  public:
   explicit SimplicialSolver(bool is_definite) : is_definite_(is_definite) {}
@@ -20,7 +20,10 @@ class SimplicialSolver : public DirectSolver {
   void prepare(const BlockMatrix& A, MergedPattern::Keep keep) override {
     if (!pattern_.update(A, keep)) return;
     columns_.set_pattern(pattern_, A.dim);
-    factors_.analyzePattern(matrix());
+    std::vector<int> order;
+    for (const Index node : fill_reducing_order(NodeGraph(pattern_)))
+      for (int d = 0; d < A.dim; ++d) order.push_back(node * A.dim + d);
+    factors_.analyze(matrix(), order);
     // Eigen has asked for the factor by now: what its use takes is foreseen.
     foresee(static_cast<double>(factors_.num_entries()) * (sizeof(double) + sizeof(int)), A, free_memory);
   }
@@ -54,6 +57,14 @@ class SimplicialSolver : public DirectSolver {
   using SparseMatrix = Eigen::SparseMatrix<double>;
 
   struct Factors : Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> {
+    /// @param order  of the unknowns: theirs by position
+    void analyze(const SparseMatrix& lower, const std::vector<int>& order) {
+      m_Pinv.indices() = Eigen::Map<const Eigen::VectorXi>(order.data(), lower.cols());
+      m_P = m_Pinv.inverse();
+      CholMatrixType upper(lower.cols(), lower.cols());
+      upper.selfadjointView<Eigen::Upper>() = lower.selfadjointView<Eigen::Lower>().twistedBy(m_P);
+      analyzePattern_preordered(upper, /*doLDLT=*/true);
+    }
     Eigen::Index num_entries() const { return m_matrix.data().size(); }  ///< known from the analysis on
     void release() { m_matrix = CholMatrixType(); }
   };
