@@ -154,6 +154,52 @@ TEST_P(OnAHeavyBlock, ALightBodyIsHeldByItsWeight) {
   EXPECT_LT((held + weight / 9.81 * scene.gravity).norm(), 1e-3 * weight) << "a block of " << block / size;
 }
 
+/// A light body lies, held by friction alone, on a block that a load at its side moves by far more than
+/// contact yields.
+struct OnAYieldingBlock : ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Contrasts, OnAYieldingBlock, ::testing::Range(0, 8),
+                         ::testing::PrintToStringParamName());
+
+TEST_P(OnAYieldingBlock, ALightBodyKeepsItsHold) {
+  Draw draw(static_cast<unsigned>(GetParam()));
+  Description scene;
+  scene.dimension = 2;
+  scene.load_steps = 2;
+  const double size = draw(0.001, 0.1), density = draw(100, 5000), block = size * draw(5, 50);
+  scene.gravity = {4, -9, 0};
+  scene.contact.activation_distance = 5e-3 * size;
+  scene.contact.friction = 1;
+  const double soft = 9 * density * size * draw(1e3, 1e6), hard = soft * draw(1e2, 1e4);
+  for (const bool is_block : {true, false}) {
+    BodyDescription body;
+    body.name = body.place = is_block ? "block" : "light";
+    const double side = is_block ? block : size;
+    body.element = is_block ? "P1" : "P2";
+    body.mesh = make_rectangle({side, side}, {is_block ? 3 : 2, is_block ? 3 : 2});
+    body.material.law = is_block ? "linear_elastic" : "neo_hookean";
+    body.material.constants = {{"youngs_modulus", is_block ? hard : soft}, {"poissons_ratio", 0.3}};
+    body.material.density = density;
+    if (!is_block) body.translate = {0.3 * block, block + 2e-3 * size, 0};
+    scene.bodies.push_back(std::move(body));
+  }
+  FixDescription ground;
+  ground.body = "block";
+  ground.where.kind = Where::Kind::group;
+  ground.where.group = "y_min";
+  scene.fixes.push_back(ground);
+  LoadDescription pull;
+  pull.body = "block";
+  pull.kind = "traction";
+  pull.where.kind = Where::Kind::group;
+  pull.where.group = "x_min";
+  pull.value = {0, -0.01 * hard, 0};
+  scene.loads.push_back(pull);
+  const Simulation simulation = converged_end_of(scene);
+  ASSERT_EQ(simulation.frame().contacts.size(), 1U);
+  const double mass = density * size * size;
+  EXPECT_LT((simulation.frame().contacts[0].force + mass * scene.gravity).norm(), 1e-3 * mass * 9.8);
+}
+
 /// The same problem in other units of length, stress and time.
 Description scaled_block(double length, double stress, double time, bool is_dynamic) {
   const double density = stress * time * time / (length * length);

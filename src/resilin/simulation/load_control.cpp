@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/contact_patches.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/jump.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -64,14 +65,36 @@ double next_load(const World& world, const State& state) {
   }
 }
 
+/// Whether contact at `candidate` still holds the bodies that it alone holds at x, about as hard. Where a
+/// light one lies on a block that yields, the energy of the block would choose a start at which it has lost
+/// its hold.
+bool keeps_hold(const World& world, const Potential& potential, const VectorX& touch,
+                const VectorX& candidate) {
+  constexpr double most_change = 10;
+  const VectorX there = potential.gradient_of(EnergyCategory::contact, candidate);
+  return std::ranges::all_of(world.bodies, [&](const Body& body) {
+    if (is_held_along_every_axis(world, body)) return true;
+    const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension,
+                       count = Eigen::Index{body.num_nodes} * world.dimension;
+    const double before = touch.segment(first, count).norm(), after = there.segment(first, count).norm();
+    return before == 0 || (after * most_change >= before && after <= most_change * before);
+  });
+}
+
 /// Where the search for the equilibrium at `load` starts: the secant through the last two equilibria or the
-/// last one, whichever has the lower energy.
-VectorX predicted_positions(const World& world, Objective& potential, const VectorX& targets,
-                            const State& state, double load) {
+/// last one, whichever has the lower energy. The secant is left out where bodies touch and would lose their
+/// hold, or have failed to find an equilibrium in this step.
+VectorX predicted_positions(const World& world, Potential& potential, const VectorX& targets,
+                            const State& state, double load, bool has_failed) {
   VectorX x = state.positions;
   if (state.load > state.previous_load) {
     const double ratio = (load - state.load) / (state.load - state.previous_load);
     const VectorX secant = x + ratio * (x - state.previous_positions);
+    if (world.share.is_whole()) {
+      const VectorX touch = potential.gradient_of(EnergyCategory::contact, x);
+      const bool is_touched = !touch.isZero(0);
+      if (is_touched && (has_failed || !keeps_hold(world, potential, touch, secant))) return x;
+    }
     choose_lower_start(potential, world.is_fixed, targets, secant, x);
   }
   return x;
@@ -171,16 +194,17 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     VectorX targets = state.positions;
     place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
     set_constants(world, conditions, targets);
-    VectorX x = was_held && load == near.load ? near.positions
-                                              : predicted_positions(world, potential, targets, state, load);
+    VectorX x = was_held && load == near.load
+                    ? near.positions
+                    : predicted_positions(world, potential, targets, state, load, report.failed_attempts > 0);
     NewtonSettings settings = newton_settings(world);
     if (is_tight) settings.tolerance = std::min(settings.tolerance, tight_tolerance);
     const double length = load - state.load;
     if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
-    const StageReport searched =
-        solve_stage(potential, world.is_fixed, targets, {}, settings,
-                    {.friction_rounds = world.friction_iterations}, newton, x, observer);
+    StageReport searched = solve_stage(potential, world.is_fixed, targets, {}, settings,
+                                       {.friction_rounds = world.friction_iterations}, newton, x, observer);
+    settle_patches(world, potential, targets, settings, newton, x, searched, observer);
     const NewtonReport& search = searched.newton;
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {

@@ -6,6 +6,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/world/friction.hpp"

@@ -29,16 +29,6 @@ struct Held {
   double applied;    ///< load on the body [N]
 };
 
-bool is_held_along_every_axis(const World& world, const Body& body) {
-  for (int k = 0; k < world.dimension; ++k) {
-    bool is_held = false;
-    for (Index node = body.first_node; node < body.first_node + body.num_nodes && !is_held; ++node)
-      is_held = world.is_fixed[static_cast<std::size_t>(Eigen::Index{node} * world.dimension + k)] != 0;
-    if (!is_held) return false;
-  }
-  return true;
-}
-
 /// Bodies that supports let go along some axis, and what acts on them from outside.
 std::vector<Held> bodies_to_hold(const World& world, const Potential& potential, const VectorX& x) {
   const VectorX loads = potential.gradient_of(EnergyCategory::external, x);
@@ -75,6 +65,16 @@ double borne(const World& world, const Held& held, const VectorX& anchors, const
 }
 
 }  // namespace
+
+bool is_held_along_every_axis(const World& world, const Body& body) {
+  for (int k = 0; k < world.dimension; ++k) {
+    bool is_held = false;
+    for (Index node = body.first_node; node < body.first_node + body.num_nodes && !is_held; ++node)
+      is_held = world.is_fixed[static_cast<std::size_t>(Eigen::Index{node} * world.dimension + k)] != 0;
+    if (!is_held) return false;
+  }
+  return true;
+}
 
 std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton, const State& state,
                                              double load, const NewtonObserver& observer,

@@ -19,6 +19,9 @@ struct FrictionHold {
   VectorX positions;           ///< without a slide: close to an equilibrium [m]
 };
 
+/// Whether supports hold a body along each axis, at any of its nodes.
+bool is_held_along_every_axis(const World& world, const Body& body);
+
 /// Springs hold the bodies that supports let go along some axis, and are moved after them until bodies stay
 /// or slide on: what the springs then bear is missing in their balance.
 /// @param load  factor of the load that the equilibrium `state` does not bear
