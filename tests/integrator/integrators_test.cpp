@@ -10,7 +10,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
-#include "resilin/integrator/integrator.hpp"
+#include "resilin/integrator/stage_sequence.hpp"
 
 namespace resilin {
 namespace {
@@ -27,16 +27,12 @@ Motion advance(const Integrator& integrator, const Motion& start, double frequen
   History history{.now = start};
   history.now.accelerations = -frequency * frequency * start.positions;
   for (const double dt : time_steps) {
-    std::vector<Motion> solutions;
+    StageSequence stages(integrator, std::move(history), dt);
     for (int i = 0; i < integrator.num_stages(); ++i) {
-      const Stage stage = integrator.begin_stage(i, history, solutions, dt);
-      solutions.push_back(stage.motion(stage.target() / (1 + stage.scale() * frequency * frequency)));
+      const Stage stage = stages.begin();
+      stages.end(stage, stage.motion(stage.target() / (1 + stage.scale() * frequency * frequency)));
     }
-    Motion end = integrator.finish(history, std::move(solutions), dt);
-    history = {.now = end,
-               .previous_positions = history.now.positions,
-               .previous_velocities = history.now.velocities,
-               .previous_time_step = dt};
+    history = stages.after(stages.finish());
   }
   return history.now;
 }
@@ -179,26 +175,17 @@ struct PointOverFloor {
   /// One step; what the force of contact does to the velocity is kept out of the history.
   void advance(const Integrator& integrator, History& history, double dt) {
     mean_force = 0;
-    History seen = history;
-    std::vector<Motion> solutions;
-    VectorX jump;
+    StageSequence stages(integrator, history, dt);
     for (int i = 0; i < integrator.num_stages(); ++i) {
-      const Stage stage = integrator.begin_stage(i, seen, solutions, dt);
+      const Stage stage = stages.begin();
       Motion found = stage.motion(VectorX::Constant(1, solve(stage)));
-      jump = stage.jump_by(VectorX::Constant(1, force(stage, found.positions[0]) * stage.count_of_impulse()));
-      found.accelerations.setConstant(-g);
-      mean_force += jump[0] / dt;
       last_force = force(stage, found.positions[0]);
-      follow_jump(jump, stage.time_from_start(dt), found, seen.now.positions, seen.now.velocities);
-      solutions.push_back(found);
+      const VectorX impulses = VectorX::Constant(1, last_force * stage.count_of_impulse());
+      mean_force += stage.jump_by(impulses)[0] / dt;
+      found.accelerations = impulses.array() - g;  // without the rounding of a hard floor
+      stages.end(stage, std::move(found), impulses);
     }
-    History next{.now = integrator.finish(history, solutions, dt),
-                 .previous_positions = history.now.positions,
-                 .previous_velocities = history.now.velocities,
-                 .previous_time_step = dt};
-    if (integrator.num_stages() == 1)
-      follow_jump(jump, dt, next.now, next.previous_positions, next.previous_velocities);
-    history = next;
+    history = stages.after(stages.finish());
   }
 };
 

@@ -5,10 +5,12 @@
 #include "resilin/core/stopwatch.hpp"
 #include "resilin/energy/hand.hpp"
 #include "resilin/integrator/backward_euler.hpp"
+#include "resilin/integrator/stage_sequence.hpp"
 #include "resilin/live/kinetic_guard.hpp"
 #include "resilin/live/live_contents.hpp"
 #include "resilin/optimize/convergence.hpp"
 #include "resilin/simulation/most_strained.hpp"
+#include "resilin/simulation/stage_plan.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 
 namespace resilin {
@@ -91,32 +93,34 @@ void LiveScene::Contents::move_in_parts(const StepBudget& budget) {
 void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   count_mending_steps();
   const double step = dt * mending_factor();
-  const History history{.now = {.positions = state.positions,
+  const BackwardEuler scheme;
+  StageSequence stages(scheme,
+                       {.now = {.positions = state.positions,
                                 .velocities = (dt / step) * (dt / step) * state.velocities,
-                                .accelerations = {}}};
-  const Stage stage = BackwardEuler().begin_stage(0, history, {}, step);
+                                .accelerations = {}}},
+                       step);
   const double time = scene_time(state.time + dt);
   const Conditions conditions{.time = time,
                               .load = scene_load(state.time + dt),
                               .delay = state.collider_delay + time - scene_time(state.time)};
-  VectorX targets = state.positions;
-  place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
-  const bool is_driven = targets != state.positions;
+  const StagePlan plan = plan_stage(world, conditions, stages.begin(), state.positions);
+  const bool is_driven = plan.targets != state.positions;
   const Terms all = with_hand(terms);
-  Potential potential(all, is_fixed, conditions, stage, {}, state.history);
+  Potential potential(all, is_fixed, conditions, plan.stage, {}, state.history);
   VectorX x = state.positions;
   const NewtonReport newton_report =
-      minimize(potential, flight(world, is_fixed, potential, stage, controls.gravity, x), targets,
+      minimize(potential, flight(world, is_fixed, potential, plan.stage, controls.gravity, x), plan.targets,
                controls.tolerance, budget, x);
-  VectorX velocities = stage.velocities(x);
+  stages.end(plan.stage, plan.stage.motion(std::move(x)));
+  Motion end = stages.finish();
   if (!is_driven && !newton_report.converged()) {
-    const double gain = potential.difference_without(EnergyCategory::inertia, state.positions, x);
-    limit_kinetic_energy(*world.mass, state.velocities, gain, velocities);
+    const double gain = potential.difference_without(EnergyCategory::inertia, state.positions, end.positions);
+    limit_kinetic_energy(*world.mass, state.velocities, gain, end.velocities);
   }
-  advance_history(world.terms, state.positions, x, step, state.history);
+  advance_history(world.terms, state.positions, end.positions, step, state.history);
   state.previous_positions = std::move(state.positions);
-  state.positions = std::move(x);
-  state.velocities = std::move(velocities);
+  state.positions = std::move(end.positions);
+  state.velocities = std::move(end.velocities);
   state.time += dt;
   state.collider_delay = potential.conditions().delay;
   ++state.step;
@@ -150,16 +154,17 @@ double LiveScene::Contents::mending_factor() const {
 void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
   const double dt = controls.time_step;
   const Conditions conditions = this->conditions();
-  VectorX targets = state.positions;
-  place_supports(world.dimension, world.supports, world.rest_positions, conditions, targets);
-  const Stage stage{.base_positions = state.positions,
-                    .base_velocities = VectorX::Zero(state.positions.size()),
-                    .duration = dt * std::pow(10.0, 0.5 * std::min(calm.seeking_steps, 8)),
-                    .shape = state.positions};
+  const StagePlan plan = plan_stage(world, conditions,
+                                    {.base_positions = state.positions,
+                                     .base_velocities = VectorX::Zero(state.positions.size()),
+                                     .duration = dt * std::pow(10.0, 0.5 * std::min(calm.seeking_steps, 8)),
+                                     .shape = state.positions},
+                                    state.positions);
   const Terms all = with_hand(terms_at_rest);
-  Potential potential(all, is_fixed, conditions, stage, {}, state.history);
+  Potential potential(all, is_fixed, conditions, plan.stage, {}, state.history);
   VectorX x = state.positions;
-  NewtonReport newton_report = minimize(potential, {.places = x}, targets, 0.1 * rest_tolerance, budget, x);
+  NewtonReport newton_report =
+      minimize(potential, {.places = x}, plan.targets, 0.1 * rest_tolerance, budget, x);
   const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions), {}, state.history);
   VectorX gradient;
   at_rest.gradient(x, gradient);

@@ -1,41 +1,22 @@
 #include "resilin/sensitivity/motion_steps.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "resilin/optimize/residual.hpp"
 #include "resilin/sensitivity/impulse_slopes.hpp"
 #include "resilin/sensitivity/prescribed_changes.hpp"
 #include "resilin/sensitivity/stage_slopes.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
+#include "resilin/simulation/prescribed_motion.hpp"
 
 namespace resilin {
 namespace {
-
-Motion zero_motion(Eigen::Index size) {
-  const VectorX zero = VectorX::Zero(size);
-  return {zero, zero, zero};
-}
 
 /// A stage of slopes or of changes: as long as the one that they belong to.
 Stage zero_stage(const Stage& stage) {
   const VectorX zero = VectorX::Zero(stage.base_positions.size());
   return {.base_positions = zero, .base_velocities = zero, .duration = stage.duration, .shape = zero};
-}
-
-/// Changes of a known motion after the impulse of a stage, see follow_jump.
-void change_after_impulse(const StageReplay& at, const VectorX& jump, double dt, const Motion& end,
-                          VectorX& positions, VectorX& velocities) {
-  positions -= where_jumps(at.by_impulses, positions);
-  positions += where_jumps(at.by_impulses, end.positions - at.stage.time_from_start(dt) * end.velocities);
-  velocities += jump;
-}
-
-/// Transposed: moves slopes by the positions of the known motion on to those by the end of the stage.
-void slopes_after_impulse(const StageReplay& at, double dt, VectorX& by_positions, Motion& by_end) {
-  const VectorX by_place = where_jumps(at.by_impulses, by_positions);
-  by_positions -= by_place;
-  by_end.positions += by_place;
-  by_end.velocities -= at.stage.time_from_start(dt) * by_place;
 }
 
 /// Takes the fixed unknowns out of a motion.
@@ -50,11 +31,6 @@ Motion take_fixed(const World& world, Motion& motion) {
 }
 
 }  // namespace
-
-History zero_history(Eigen::Index size) {
-  const VectorX zero = VectorX::Zero(size);
-  return {.now = zero_motion(size), .previous_positions = zero, .previous_velocities = zero};
-}
 
 bool is_zero(const History& history) {
   for (const VectorX* part : {&history.now.positions, &history.now.velocities, &history.now.accelerations,
@@ -86,35 +62,27 @@ void MotionSteps::add_mass_slopes(const VectorX& w, const VectorX& accelerations
 History MotionSteps::forward(const StepReplay& step, const History& change, const TermChanges& of_terms,
                              const WorldChange& of_world, VectorX& gradient) {
   const double dt = step.time_step;
-  const bool looks_back = scheme_.looks_back();
   History start = change;
-  start.previous_time_step = step.start.previous_time_step;
+  start.previous_time_step = step.start().previous_time_step;
   if (step.renews_accelerations)
     start.now.accelerations =
-        forward_accelerations(step.start.now, time_after(step.time, dt), start.now, of_terms, of_world);
+        forward_accelerations(step.start().now, time_after(step.time, dt), start.now, of_terms, of_world);
   const Eigen::Index size = world_.rest_positions.size();
   Motion end_prescribed = zero_motion(size);
-  place_prescribed_changes(world_, of_world, {.time = step.time + dt, .load = 1}, end_prescribed);
-  History seen = start;  // with the impulses in its stages, as the run has it
-  VectorX jump;
-  std::vector<Motion> solutions;
+  place_prescribed_changes(world_, of_world, step.conditions_at_end(), end_prescribed);
+  StageSequence sequence(scheme_, std::move(start), dt);
   for (std::size_t i = 0; i < step.stages.size(); ++i) {
     const StageReplay& at = step.stages[i];
-    Stage stage = scheme_.begin_stage(static_cast<int>(i), seen, solutions, dt);
+    Stage stage = sequence.begin();
     Motion prescribed = zero_motion(size);
     if (!at.stage.is_mean) {
       place_prescribed_changes(world_, of_world, at.conditions, prescribed);
     } else {
-      prescribed.positions = 0.5 * (start.now.positions + end_prescribed.positions);
-      prescribed.velocities = (end_prescribed.positions - start.now.positions) / dt;
-      prescribed.accelerations = (end_prescribed.velocities - start.now.velocities) / dt;
+      const Motion& now = sequence.start().now;
+      prescribed = mean_of_step(now.positions, now.velocities, end_prescribed, dt);
       prescribed = take_fixed(world_, prescribed);
     }
-    for (Eigen::Index k = 0; k < size; ++k) {
-      if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;
-      stage.base_positions[k] = prescribed.positions[k] - stage.duration * prescribed.velocities[k];
-      stage.base_velocities[k] = prescribed.velocities[k] - stage.duration * prescribed.accelerations[k];
-    }
+    follow_prescribed(world_, prescribed, stage);
     const Potential potential = potential_of(world_, at);
     tangent_.form(potential, at.motion.positions);
     const ImpulseSlopes impulses(world_, potential, at);
@@ -124,69 +92,47 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
     VectorX dx = prescribed.positions -
                  tangent_.solve(gradient + tangent_.times(prescribed.positions, false), false, &earlier_[i]);
     gradient += tangent_.times(dx, false);
-    jump.resize(0);
-    VectorX of_impulses;
-    if (at.by_impulses.size() > 0) of_impulses = impulses.change(dx, stage, of_terms);
-    solutions.push_back(stage.motion(std::move(dx)));
-    if (at.by_impulses.size() == 0) continue;
-    gradient += (1 / at.stage.count_of_impulse() - 1) * of_impulses;
-    if (!looks_back) continue;
-    const VectorX by_impulses =
-        -accelerations_by(world_, of_impulses + mass_changes(at.by_impulses, of_terms));
-    solutions.back().accelerations -= by_impulses;
-    jump = at.stage.jump_by(by_impulses);
-    change_after_impulse(at, jump, dt, solutions.back(), seen.now.positions, seen.now.velocities);
+    VectorX by_impulses;
+    if (at.by_impulses.size() > 0) {
+      const VectorX of_impulses = impulses.change(dx, stage, of_terms);
+      gradient += (1 / at.stage.count_of_impulse() - 1) * of_impulses;
+      if (scheme_.looks_back())
+        by_impulses = -accelerations_by(world_, of_impulses + mass_changes(at.by_impulses, of_terms));
+    }
+    sequence.end(stage, stage.motion(std::move(dx)), by_impulses, at.by_impulses);
   }
-  History next{.now = scheme_.finish(start, std::move(solutions), dt),
-               .previous_positions = start.now.positions,
-               .previous_velocities = start.now.velocities};
-  if (jump.size() > 0)
-    change_after_impulse(step.stages.back(), jump, dt, next.now, next.previous_positions,
-                         next.previous_velocities);
-  take_fixed(world_, next.now);
-  next.now.positions += end_prescribed.positions;
-  next.now.velocities += end_prescribed.velocities;
-  next.now.accelerations += end_prescribed.accelerations;
-  return next;
+  Motion end = sequence.finish();
+  take_fixed(world_, end);
+  end.positions += end_prescribed.positions;
+  end.velocities += end_prescribed.velocities;
+  end.accelerations += end_prescribed.accelerations;
+  return sequence.after(std::move(end));
 }
 
 History MotionSteps::transposed(const StepReplay& step, const History& by_next, const VectorX& w,
                                 TermChanges& by_terms, WorldChange& by_world) {
   const double dt = step.time_step;
   const Eigen::Index size = world_.rest_positions.size();
-  History by_start = zero_history(size), by_seen = by_start;  // as `seen` of a step forward
-  by_start.previous_time_step = by_seen.previous_time_step = step.start.previous_time_step;
-  VectorX by_previous = by_next.previous_positions;
-  Motion by_end = by_next.now;
-  if (scheme_.looks_back() && step.stages.back().by_impulses.size() > 0)
-    slopes_after_impulse(step.stages.back(), dt, by_previous, by_end);
-  by_start.now.positions += by_previous;
-  by_start.now.velocities += by_next.previous_velocities;
-  Motion by_end_prescribed = take_fixed(world_, by_end);
-  std::vector<Motion> by_solutions(step.stages.size(), zero_motion(size));
-  scheme_.add_slopes_of_end(by_end, dt, by_start, by_solutions);
+  const VectorX none;
+  const auto where = [&](std::size_t i) -> const VectorX& {
+    return scheme_.looks_back() ? step.stages[i].by_impulses : none;
+  };
+  History by_end = by_next;
+  Motion by_end_prescribed = take_fixed(world_, by_end.now);
+  TransposedSequence sequence(scheme_, by_end, where(step.stages.size() - 1), dt,
+                              step.start().previous_time_step);
   for (std::size_t i = step.stages.size(); i-- > 0;) {
     const StageReplay& at = step.stages[i];
-    Motion& by_motion = by_solutions[i];
-    if (scheme_.looks_back() && at.by_impulses.size() > 0)
-      slopes_after_impulse(at, dt, by_seen.now.positions, by_motion);
     const double c = at.stage.duration;
-    Stage by_stage = zero_stage(at.stage);
-    // v = (x - x_0) / c, a = (v - v_0) / c
-    const VectorX by_velocity = by_motion.velocities + by_motion.accelerations / c;
-    by_stage.base_velocities -= by_motion.accelerations / c;
-    by_stage.base_positions -= by_velocity / c;
-    VectorX by_x = by_motion.positions + by_velocity / c;
+    auto [by_x, by_stage, by_impulses] = sequence.end(at.stage, where(i));
     const Potential potential = potential_of(world_, at);
     tangent_.form(potential, at.motion.positions);
     const ImpulseSlopes impulses(world_, potential, at);
     const bool is_last = i + 1 == step.stages.size();
     if (at.by_impulses.size() > 0) {
       VectorX of_impulses = VectorX::Zero(size);
-      if (scheme_.looks_back()) {
-        VectorX by_jump = by_seen.now.velocities;
-        if (is_last) by_jump += by_next.previous_velocities;
-        of_impulses = accelerations_by(world_, by_motion.accelerations - at.stage.jump_by(by_jump));
+      if (by_impulses.size() > 0) {
+        of_impulses = accelerations_by(world_, -by_impulses);
         add_mass_slopes(of_impulses, at.by_impulses, by_terms);
       }
       if (is_last && w.size() > 0) of_impulses += (1 / at.stage.count_of_impulse() - 1) * w;
@@ -203,7 +149,7 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     add_stage_slopes({world_, potential}, at.motion.positions, lambda, by_terms, by_stage);
     if (at.stage.is_mean) by_stage.base_positions += impulses.by_base(lambda, true);
     Motion by_prescribed = zero_motion(size);
-    for (Eigen::Index k = 0; k < size; ++k) {
+    for (Eigen::Index k = 0; k < size; ++k) {  // follow_prescribed, transposed
       if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;
       by_prescribed.positions[k] = by_x[k] + by_stage.base_positions[k];
       by_prescribed.velocities[k] = by_stage.base_velocities[k] - c * by_stage.base_positions[k];
@@ -212,23 +158,19 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     }
     if (!at.stage.is_mean) {
       add_prescribed_slopes(world_, by_prescribed, at.conditions, by_world);
-    } else {
-      by_start.now.positions += 0.5 * by_prescribed.positions - by_prescribed.velocities / dt;
-      by_start.now.velocities -= by_prescribed.accelerations / dt;
+    } else {  // mean_of_step, transposed
+      Motion& by_now = sequence.by_start().now;
+      by_now.positions += 0.5 * by_prescribed.positions - by_prescribed.velocities / dt;
+      by_now.velocities -= by_prescribed.accelerations / dt;
       by_end_prescribed.positions += 0.5 * by_prescribed.positions + by_prescribed.velocities / dt;
       by_end_prescribed.velocities += by_prescribed.accelerations / dt;
     }
-    scheme_.add_slopes_of_stage(static_cast<int>(i), by_stage, dt, by_seen, by_solutions);
+    sequence.begin(by_stage);
   }
-  by_start.now.positions += by_seen.now.positions;
-  by_start.now.velocities += by_seen.now.velocities;
-  by_start.now.accelerations += by_seen.now.accelerations;
-  by_start.previous_positions += by_seen.previous_positions;
-  by_start.previous_velocities += by_seen.previous_velocities;
-  add_prescribed_slopes(world_, by_end_prescribed, {.time = step.time + dt, .load = 1}, by_world);
+  add_prescribed_slopes(world_, by_end_prescribed, step.conditions_at_end(), by_world);
+  History by_start = std::move(sequence).finish();
   if (step.renews_accelerations)
-    transposed_accelerations(step.start.now, time_after(step.time, dt), by_start.now, by_terms, by_world);
-  by_start.previous_time_step = 0;
+    transposed_accelerations(step.start().now, time_after(step.time, dt), by_start.now, by_terms, by_world);
   return by_start;
 }
 
@@ -305,14 +247,14 @@ Motion MotionSteps::forward_start(const StepReplay& first, const TermChanges& of
   place_prescribed_changes(world_, of_world, {.time = first.time, .load = 1}, prescribed);
   start.velocities += prescribed.velocities;
   if (scheme_.needs_accelerations() && !first.renews_accelerations)
-    start.accelerations = forward_accelerations(first.start.now, first.time, start, of_terms, of_world);
+    start.accelerations = forward_accelerations(first.start().now, first.time, start, of_terms, of_world);
   return start;
 }
 
 void MotionSteps::transposed_start(const StepReplay& first, Motion by_start, TermChanges& by_terms,
                                    WorldChange& by_world) {
   if (scheme_.needs_accelerations() && !first.renews_accelerations)
-    transposed_accelerations(first.start.now, first.time, by_start, by_terms, by_world);
+    transposed_accelerations(first.start().now, first.time, by_start, by_terms, by_world);
   if (by_world.start_positions.size() > 0) by_world.start_positions += by_start.positions;
   by_start.positions.setZero();
   by_start.accelerations.setZero();

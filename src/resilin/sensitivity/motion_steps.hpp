@@ -6,8 +6,6 @@
 
 namespace resilin {
 
-/// A history of nothing but zeros, for changes of one or slopes by one.
-History zero_history(Eigen::Index size);
 bool is_zero(const History& history);
 
 /// Derivatives of one step in time by what it starts from and by the numbers of the world: forwards and

@@ -1,9 +1,11 @@
 #include "resilin/sensitivity/replay.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
+#include "resilin/simulation/stage_plan.hpp"
 
 namespace resilin {
 namespace {
@@ -48,55 +50,35 @@ VectorX impulses_apart(const World& world, const Integrator& scheme, const Stage
   return impulses.isZero(0) ? VectorX() : accelerations_by(world, -impulses);
 }
 
-/// Follows the state at the start of a step after an impulse in one of its stages, which ended in `end`.
-void follow_impulse(const Integrator& scheme, const StageReplay& stage, const Motion& end, double time_step,
-                    VectorX& positions, VectorX& velocities) {
-  if (!scheme.looks_back() || stage.by_impulses.size() == 0) return;
-  follow_jump(stage.stage.jump_by(stage.by_impulses), stage.stage.time_from_start(time_step), end, positions,
-              velocities);
-}
-
 }  // namespace
 
 StepReplay replay_step(const World& world, const Integrator& scheme, const History& start, double time,
                        double time_step, std::vector<VectorX> places, std::vector<VectorX> by_impulses) {
-  StepReplay step{.time = time, .time_step = time_step, .start = start};
   const State state = state_of(start, time);
-  if (scheme.needs_accelerations() && is_event(world, time)) {
-    step.renews_accelerations = true;
-    step.start.now.accelerations = accelerations_from(world, state, time_step);
-  }
-  History seen = step.start;
-  std::vector<Motion> solutions;
+  const bool renews_accelerations = scheme.needs_accelerations() && is_event(world, time);
+  History from = start;
+  if (renews_accelerations) from.now.accelerations = accelerations_from(world, state, time_step);
+  StepReplay step{.time = time,
+                  .time_step = time_step,
+                  .renews_accelerations = renews_accelerations,
+                  .sequence = StageSequence(scheme, std::move(from), time_step)};
   for (std::size_t i = 0; i < places.size(); ++i) {
-    Stage stage = scheme.begin_stage(static_cast<int>(i), seen, solutions, time_step);
-    const VectorX zero = VectorX::Zero(places[i].size());
-    Motion prescribed{places[i], zero, zero};
-    prescribe_motion(world, state, time_step, stage, prescribed);
-    follow_prescribed(world, prescribed, stage);
-    Motion motion = stage.motion(std::move(prescribed.positions));
-    const Conditions conditions{.time = time + stage.time_fraction * time_step, .load = 1};
-    step.stages.push_back({std::move(stage), conditions, std::move(motion)});
+    StagePlan plan = plan_in_motion(world, state, time_step, step.sequence.begin(), places[i]);
+    Motion motion = plan.stage.motion(std::move(plan.targets));
+    step.stages.push_back({std::move(plan.stage), plan.conditions, std::move(motion)});
     StageReplay& made = step.stages.back();
     made.by_impulses = by_impulses.empty() ? impulses_apart(world, scheme, made) : std::move(by_impulses[i]);
-    if (scheme.looks_back() && made.by_impulses.size() > 0) made.motion.accelerations -= made.by_impulses;
-    follow_impulse(scheme, made, made.motion, time_step, seen.now.positions, seen.now.velocities);
-    solutions.push_back(made.motion);
+    step.sequence.end(made.stage, made.motion, scheme.looks_back() ? made.by_impulses : VectorX());
+    made.motion = step.sequence.solutions().back();
   }
   return step;
 }
 
-History history_after(const World& world, const Integrator& scheme, const StepReplay& step) {
-  std::vector<Motion> solutions;
-  for (const StageReplay& stage : step.stages) solutions.push_back(stage.motion);
-  History next{.now = scheme.finish(step.start, std::move(solutions), step.time_step),
-               .previous_positions = step.start.now.positions,
-               .previous_velocities = step.start.now.velocities,
-               .previous_time_step = step.time_step};
-  follow_impulse(scheme, step.stages.back(), next.now, step.time_step, next.previous_positions,
-                 next.previous_velocities);
-  prescribe_motion_at(world, step.time + step.time_step, next.now);
-  return next;
+History history_after(const World& world, const StepReplay& step) {
+  StageSequence sequence = step.sequence;
+  Motion end = sequence.finish();
+  prescribe_motion_at(world, step.time + step.time_step, end);
+  return sequence.after(std::move(end));
 }
 
 }  // namespace resilin

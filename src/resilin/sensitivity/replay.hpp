@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "resilin/integrator/integrator.hpp"
+#include "resilin/integrator/stage_sequence.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/simulation.hpp"
 
@@ -21,12 +21,15 @@ struct StageReplay {
 
 /// A step of a run as it was taken.
 struct StepReplay {
-  double time = 0;  ///< at its start [s]
-  double time_step = 0;
-  History start{};
+  double time;  ///< at its start [s]
+  double time_step;
   /// Loads or prescribed motions are not smooth at the start: its accelerations are those that follow.
-  bool renews_accelerations = false;
+  bool renews_accelerations;
+  StageSequence sequence;  ///< all its stages have ended
   std::vector<StageReplay> stages{};
+
+  const History& start() const { return sequence.start(); }
+  Conditions conditions_at_end() const { return {.time = time + time_step}; }
 };
 
 /// Forces of a stage at its end.
@@ -42,6 +45,6 @@ StepReplay replay_step(const World& world, const Integrator& scheme, const Histo
                        double time_step, std::vector<VectorX> places, std::vector<VectorX> by_impulses = {});
 
 /// Start of the next step.
-History history_after(const World& world, const Integrator& scheme, const StepReplay& step);
+History history_after(const World& world, const StepReplay& step);
 
 }  // namespace resilin

@@ -8,6 +8,7 @@
 #include "resilin/sensitivity/prescribed_changes.hpp"
 #include "resilin/sensitivity/stage_slopes.hpp"
 #include "resilin/sensitivity/tangent.hpp"
+#include "resilin/simulation/stage_plan.hpp"
 
 namespace resilin {
 namespace {
@@ -64,10 +65,9 @@ class StaticDerivatives final : public Derivatives {
 
 // The stages are those of LoadControl.
 Potential StaticDerivatives::potential(std::size_t frame) const {
-  const Stage stage = follows_way()
-                          ? static_stage(places_[frame - 1],
-                                         world().end_time * (frames_[frame].load - frames_[frame - 1].load))
-                          : static_stage(places_[frame]);
+  const Stage stage = follows_way() ? stage_of_increment(world(), places_[frame - 1], frames_[frame - 1].load,
+                                                         frames_[frame].load)
+                                    : static_stage(places_[frame]);
   Potential made = Potential::in_stage(world(), VectorX(), conditions(frame), stage);
   made.prepare(places_[frame], VectorX::Zero(places_[frame].size()));
   made.form_lag(places_[frame]);

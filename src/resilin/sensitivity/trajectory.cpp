@@ -85,7 +85,7 @@ void Trajectory::load(int chunk) {
     starts_.push_back(start);
     const StepReplay made = replay(step);
     for (const StageReplay& stage : made.stages) starts_.back().by_impulses.push_back(stage.by_impulses);
-    start.history = history_after(simulation_.world(), scheme_, made);
+    start.history = history_after(simulation_.world(), made);
     leave_out_unneeded(start.history);
   }
   starts_.push_back(std::move(start));
@@ -110,9 +110,9 @@ Trajectory::End Trajectory::end_of(int step) {
 
 const StepReplay& Trajectory::step(int number) {
   load(chunk_of(number));
-  if (replayed_ != number) step_ = replay(number - 1);
+  if (replayed_ != number) step_.emplace(replay(number - 1));
   replayed_ = number;
-  return step_;
+  return *step_;
 }
 
 }  // namespace resilin

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "resilin/sensitivity/replay.hpp"
@@ -62,7 +63,7 @@ class Trajectory {
   int loaded_ = -1;            ///< the chunk of `starts_`
   std::vector<Start> starts_;  ///< starts of its steps, and of the one after
   int replayed_ = 0;           ///< the number of `step_`; 0: none
-  StepReplay step_;
+  std::optional<StepReplay> step_;
 };
 
 }  // namespace resilin

@@ -9,11 +9,10 @@
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/jump.hpp"
 #include "resilin/simulation/potential.hpp"
-#include "resilin/simulation/prescribed_motion.hpp"
 #include "resilin/simulation/slide.hpp"
+#include "resilin/simulation/stage_plan.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/world/friction.hpp"
-#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -108,15 +107,11 @@ std::optional<Jump> jump_of_step(const World& world, Newton& newton, const State
   // Where bodies creep, they lose strain energy without a jump.
   if (is_linear(world) || state.step == 0 || world.keeps_history()) return std::nullopt;
   const auto find = [&](const Equilibrium& from, double at) -> std::optional<Equilibrium> {
-    const Conditions conditions = conditions_of_increment(world, from.load, at);
-    Potential potential = Potential::in_stage(
-        world, state, conditions, static_stage(from.positions, world.end_time * (at - from.load)));
-    VectorX targets = from.positions;
-    place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
-    set_constants(world, conditions, targets);
+    const StagePlan plan = plan_increment(world, from.positions, from.load, at);
+    Potential potential = Potential::in_stage(world, state, plan.conditions, plan.stage);
     Equilibrium found{.load = at, .positions = from.positions};
     const StageReport report =
-        solve_stage(potential, world.is_fixed, targets, {}, newton_settings(world),
+        solve_stage(potential, world.is_fixed, plan.targets, {}, newton_settings(world),
                     {.friction_rounds = world.friction_iterations}, newton, found.positions, observer);
     add_counts(searched, report.newton);
     if (!report.newton.converged() || potential.conditions().delay > 0) return std::nullopt;
@@ -187,24 +182,19 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   Equilibrium near;  // from where springs have led bodies that friction holds
   while (true) {
     const double load = next_load(world, state);
-    const Conditions conditions = conditions_of_increment(world, state.load, load);
-    const double load_time = world.end_time * (load - state.load);
-    Potential potential =
-        Potential::in_stage(world, state, conditions, static_stage(state.positions, load_time));
-    VectorX targets = state.positions;
-    place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
-    set_constants(world, conditions, targets);
-    VectorX x = was_held && load == near.load
-                    ? near.positions
-                    : predicted_positions(world, potential, targets, state, load, report.failed_attempts > 0);
+    const StagePlan plan = plan_increment(world, state.positions, state.load, load);
+    Potential potential = Potential::in_stage(world, state, plan.conditions, plan.stage);
+    VectorX x = was_held && load == near.load ? near.positions
+                                              : predicted_positions(world, potential, plan.targets, state,
+                                                                    load, report.failed_attempts > 0);
     NewtonSettings settings = newton_settings(world);
     if (is_tight) settings.tolerance = std::min(settings.tolerance, tight_tolerance);
     const double length = load - state.load;
     if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
-    StageReport searched = solve_stage(potential, world.is_fixed, targets, {}, settings,
+    StageReport searched = solve_stage(potential, world.is_fixed, plan.targets, {}, settings,
                                        {.friction_rounds = world.friction_iterations}, newton, x, observer);
-    settle_patches(world, potential, targets, settings, newton, x, searched, observer);
+    settle_patches(world, potential, plan.targets, settings, newton, x, searched, observer);
     const NewtonReport& search = searched.newton;
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
@@ -238,14 +228,14 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
         if (jump->energy > state.largest_jump) state.largest_jump_load = jump->to;
         state.largest_jump = std::max(state.largest_jump, jump->energy);
       }
-      const double heat = potential.heat_of_friction(state.positions, x, load_time);
+      const double heat = potential.heat_of_friction(state.positions, x, plan.stage.load_time);
       state.friction_work += heat;
       state.dissipated_energy += heat;
-      state.dissipated_energy +=
-          world.share.sum(advance_history(world.terms, state.positions, x, load_time, state.history));
+      state.dissipated_energy += world.share.sum(
+          advance_history(world.terms, state.positions, x, plan.stage.load_time, state.history));
       report.friction.add(searched);
       move_to(state, std::move(x), load);
-      state.time = conditions.time;
+      state.time = plan.conditions.time;
       if (search.iterations < quick_convergence)
         state.load_increment = std::min(load_growth * state.load_increment, 1.0 / world.load_steps);
       return report;

@@ -10,23 +10,13 @@ namespace resilin {
 /// stand still, and those that follow others do so.
 void prescribe_motion_at(const World& world, double time, Motion& motion);
 
-/// The same at the time of a stage. A stage whose unknown is a mean takes the mean motion of the step, which
-/// leads the fixed unknowns to their places at its end.
-void prescribe_motion(const World& world, const State& start, double time_step, const Stage& stage,
-                      Motion& motion);
+/// The constants of what follows other unknowns at a time; zero elsewhere.
+Motion constants_at(const World& world, double time);
 
-/// The conditions at the end of a static increment from one load factor to another: moving colliders have its
-/// whole way before them.
-Conditions conditions_of_increment(const World& world, double from, double to);
+/// The mean motion of a step, from its start to its end.
+Motion mean_of_step(const VectorX& positions, const VectorX& velocities, const Motion& end, double time_step);
 
 /// Lets the stage give the fixed unknowns their prescribed velocities and accelerations.
 void follow_prescribed(const World& world, const Motion& prescribed, Stage& stage);
-
-/// The constants of what follows other unknowns at the time of a stage, likewise its mean ones; zero
-/// elsewhere. Empty where nothing follows.
-Motion constants_of_stage(const World& world, const State& start, double time_step, const Stage& stage);
-
-/// Lets the stage give what follows others the velocities and accelerations that follow.
-void follow_others(const World& world, const Motion& constants, Stage& stage);
 
 }  // namespace resilin

@@ -6,10 +6,9 @@
 #include "resilin/energy/handle_spring.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/simulation/potential.hpp"
-#include "resilin/simulation/prescribed_motion.hpp"
+#include "resilin/simulation/stage_plan.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/simulation/step.hpp"
-#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -80,13 +79,10 @@ std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton,
                                              double load, const NewtonObserver& observer,
                                              NewtonReport& counts) {
   if (!world.friction || !world.share.is_whole() || world.constraints) return std::nullopt;
-  const Conditions conditions = conditions_of_increment(world, state.load, load);
-  const Stage stage = static_stage(state.positions, world.end_time * (load - state.load));
+  const StagePlan plan = plan_increment(world, state.positions, state.load, load);
   const std::vector<Held> all =
-      bodies_to_hold(world, Potential::in_stage(world, state, conditions, stage), state.positions);
+      bodies_to_hold(world, Potential::in_stage(world, state, plan.conditions, plan.stage), state.positions);
   if (all.empty()) return std::nullopt;
-  VectorX targets = state.positions;
-  place_supports(world.dimension, world.supports, world.held_from(), conditions, targets);
   VectorX x = state.positions, anchors = state.positions;
   std::vector<double> before(all.size(), 0);
   for (int move = 0; move < most_moves_of_springs; ++move) {
@@ -94,9 +90,10 @@ std::optional<FrictionHold> hold_by_friction(const World& world, Newton& newton,
     for (const Held& held : all)
       terms.push_back(std::make_shared<HandleSpring>("hold", world.dimension, held.nodes, held.stiffness,
                                                      HandleSpring::Motion{}, anchors));
-    Potential potential(terms, world.is_fixed, conditions, stage, world.share, state.history, nullptr);
+    Potential potential(terms, world.is_fixed, plan.conditions, plan.stage, world.share, state.history,
+                        nullptr);
     const StageReport found =
-        solve_stage(potential, world.is_fixed, targets, {}, newton_settings(world),
+        solve_stage(potential, world.is_fixed, plan.targets, {}, newton_settings(world),
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);
     add_counts(counts, found.newton);
     if (!found.newton.converged() || found.friction_mismatch > largest_balance_error ||

@@ -65,21 +65,17 @@ void TimeStepper::Attempt::move(const World& world, State& state, double time_st
   state.dissipated_energy += dissipation(world, state, end, time_step);
   state.history = std::move(history);
   state.dissipated_energy += history_heat;
-  state.previous_positions = std::move(state.positions);
-  state.previous_velocities = std::move(state.velocities);
-  state.previous_time_step = time_step;
   state.time = time;
-  state.accelerations = std::move(end.accelerations);
   state.collider_delay = collider_delay;
   state.friction_work += friction_work;
   state.dissipated_energy += friction_work;
-  if (slowing.size() > 0) {
-    state.previous_positions -= time_step * slowing;
-    state.previous_velocities += slowing;
-  }
-  if (jump.size() > 0) follow_jump(jump, time_step, end, state.previous_positions, state.previous_velocities);
-  state.positions = std::move(end.positions);
-  state.velocities = std::move(end.velocities);
+  History next = stages->after(std::move(end), slowing);
+  state.positions = std::move(next.now.positions);
+  state.velocities = std::move(next.now.velocities);
+  state.accelerations = std::move(next.now.accelerations);
+  state.previous_positions = std::move(next.previous_positions);
+  state.previous_velocities = std::move(next.previous_velocities);
+  state.previous_time_step = time_step;
   state.energy_excess = energy_excess;
   state.largest_kinetic_energy = largest_kinetic_energy;
   if (is_guarded()) ++state.guarded_steps;

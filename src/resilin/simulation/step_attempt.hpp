@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "resilin/integrator/stage_sequence.hpp"
 #include "resilin/simulation/time_stepping.hpp"
 #include "resilin/world/world.hpp"
 
@@ -8,7 +11,8 @@ namespace resilin {
 /// A step in time that has been tried and not yet been made.
 struct TimeStepper::Attempt {
   StepReport report{};
-  const Integrator* scheme = nullptr;  ///< integrator of the step
+  const Integrator* scheme = nullptr;     ///< integrator of the step
+  std::optional<StageSequence> stages{};  ///< once it has begun
   /// Every search found a minimum, or ended early only because newton.max_iterations is low on purpose: a
   /// shorter step would change nothing about that.
   bool is_usable = true;
@@ -24,7 +28,6 @@ struct TimeStepper::Attempt {
   bool may_be_turned = false;
   bool touches = false;             ///< contact acts, or would if the step had been found
   VectorX contact_accelerations{};  ///< at the end, where they are wanted; empty: none [m/s^2]
-  VectorX jump{};                   ///< jump of the velocities by contact in the last stage, the same
   VectorX slowing{};                ///< slowing of the velocities, lest the step add energy; empty: none
   double energy_excess = 0, largest_kinetic_energy = 0;  ///< as in State
 

@@ -11,6 +11,7 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/potential.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
+#include "resilin/simulation/stage_plan.hpp"
 #include "resilin/simulation/stage_solver.hpp"
 #include "resilin/simulation/step_attempt.hpp"
 #include "resilin/simulation/turning_step.hpp"
@@ -68,36 +69,26 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
   attempt.scheme = &integrator;
   const History start =
       integrator.needs_accelerations() ? start_of_step(world, state, time_step) : history_of(state);
-  History seen = start;  // without the impulses of contact in the stages
-  std::vector<Motion> solutions;
+  StageSequence& stages = attempt.stages.emplace(integrator, start, time_step);
+  const bool keeps_impulses_out = integrator_->looks_back() || world.adaptive;
   double colliders_reached = state.time - state.collider_delay;
   bool supports_are_reached = true;
   for (int i = 0; i < integrator.num_stages(); ++i) {
-    Stage stage = integrator.begin_stage(i, seen, solutions, time_step);
-    const VectorX& before = solutions.empty() ? start.now.positions : solutions.back().positions;
-    const VectorX zero = VectorX::Zero(before.size());
-    Motion prescribed{before, zero, zero};
-    prescribe_motion(world, state, time_step, stage, prescribed);
-    follow_prescribed(world, prescribed, stage);
-    const Motion constants = constants_of_stage(world, state, time_step, stage);
-    follow_others(world, constants, stage);
-    VectorX targets = prescribed.positions;
-    if (world.constraints)
-      for (const Dependents::Relation& relation : world.dependents()->relations())
-        targets[relation.unknown] = constants.positions[relation.unknown];
-    Conditions conditions = conditions_after(state, stage.time_fraction * time_step);
-    const double end = conditions.time + stage.time_to_end();
-    conditions.delay = end - colliders_reached;
-    Potential potential = Potential::in_stage(world, state, conditions, stage);
+    const VectorX& before = stages.last_positions();
+    StagePlan plan = plan_in_motion(world, state, time_step, stages.begin(), before);
+    const Stage& stage = plan.stage;
+    const double end = plan.conditions.time + stage.time_to_end();
+    plan.conditions.delay = end - colliders_reached;
+    Potential potential = Potential::in_stage(world, state, plan.conditions, stage);
     VectorX x = before;
     const Flight flying = flight(world, world.is_fixed, potential, stage, world.gravity, x);
     const StageReport searched =
-        solve_stage(potential, world.is_fixed, targets, flying, newton_settings(world),
+        solve_stage(potential, world.is_fixed, plan.targets, flying, newton_settings(world),
                     {.friction_rounds = world.friction_iterations}, newton, x, observer);
     const NewtonReport& search = searched.newton;
     report.friction.add(searched);
-    supports_are_reached &= follows(world, x, prescribed.positions);
-    conditions = potential.conditions();
+    supports_are_reached &= follows(world, x, plan.targets);
+    const double delay = potential.conditions().delay;
     add_to(report.newton, search);
     if (search.status == NewtonReport::Status::interrupted) {
       report.status = StepReport::Status::interrupted;
@@ -132,40 +123,35 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       report.reason = describe_unsettled_friction(searched);
       attempt.is_usable = false;
     }
-    if (conditions.delay > 0) {
+    if (delay > 0) {
       attempt.is_usable &= !search.converged();  // else a shorter step may let it pass
       attempt.may_be_turned |= search.converged();
       report.status = StepReport::Status::not_converged;
-      report.reason = "bodies block a moving collider, which is " + format_short(conditions.delay) +
+      report.reason = "bodies block a moving collider, which is " + format_short(delay) +
                       " s behind its motion" + (report.reason.empty() ? "" : "; " + report.reason);
     }
-    colliders_reached = end - conditions.delay;
-    attempt.collider_delay = conditions.delay;
+    colliders_reached = end - delay;
+    attempt.collider_delay = delay;
     attempt.friction_work += potential.heat_of_friction(before, x, stage.length());
     const VectorX contact = potential.impulses(x);
-    Motion found = stage.motion(std::move(x));
-    attempt.jump.resize(0);
     attempt.contact_accelerations.resize(0);
+    VectorX impulses;  // accelerations by contact, where they are kept out
     if (world.share.any(!contact.isZero(0))) {
       attempt.touches = true;
       const double often = stage.count_of_impulse();
       VectorX passed_on = contact;
       if (world.constraints) world.dependents()->add_forces(passed_on);
       attempt.gradient += (1 / often - 1) * passed_on;
-      if (integrator_->looks_back() || world.adaptive) {
-        const VectorX by_contact = accelerations_by(world, -contact);
-        found.accelerations -= by_contact;
-        attempt.contact_accelerations = by_contact / often;
-        attempt.jump = stage.jump_by(by_contact);
-        follow_jump(attempt.jump, stage.time_from_start(time_step), found, seen.now.positions,
-                    seen.now.velocities);
+      if (keeps_impulses_out) {
+        impulses = accelerations_by(world, -contact);
+        attempt.contact_accelerations = impulses / often;
       }
     }
-    if (!solutions.empty()) report.stage_places.push_back(solutions.back().positions);
-    solutions.push_back(std::move(found));
-    attempt.last_stage = std::move(stage);
+    if (i > 0) report.stage_places.push_back(before);
+    stages.end(stage, stage.motion(std::move(x)), impulses);
+    attempt.last_stage = std::move(plan.stage);
   }
-  attempt.end = integrator.finish(start, std::move(solutions), time_step);
+  attempt.end = stages.finish();
   // Supports whose motion was in the way of something stay where the search has led them: beyond, surfaces
   // may go through each other and cells be inside out. The next step leads them on from there.
   if (supports_are_reached) prescribe_motion_at(world, state.time + time_step, attempt.end);
