@@ -73,7 +73,11 @@ class FittedMaker {
     for (int attempt = 1; attempt < most_attempts && miss(count_of(best)) > near_enough; ++attempt) {
       next(count_of(best));
       FittedDraft draft = draft_of(spacing);
-      if (miss(count_of(draft)) < miss(count_of(best))) best = std::move(draft);
+      const bool is_beyond = (count_of(draft) > wanted) != (count_of(best) > wanted);
+      const bool is_better = miss(count_of(draft)) < miss(count_of(best));
+      if (is_better) best = std::move(draft);
+      // Thin walls take another layer of cells at once: no spacing between gives a number between.
+      if (is_beyond && !is_better) break;
     }
     return finish(best);
   }

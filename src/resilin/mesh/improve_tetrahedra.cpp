@@ -73,12 +73,12 @@ class TetrahedronImprover {
   }
   static bool has(const Nodes& cell, Index v) { return std::ranges::find(cell, v) != cell.end(); }
 
-  /// Least quality around a vertex; stops below `floor`.
-  double star_quality(Index v, double floor) const {
+  /// Least quality of the cells in `worst_first_`; stops at `floor` or below.
+  double least_quality(double floor) const {
     double least = infinite_quality;
-    for (const Index t : star(v)) {
+    for (const auto& [before, t] : worst_first_) {
       least = std::min(least, quality(t));
-      if (least < floor) break;
+      if (least <= floor) break;
     }
     return least;
   }
@@ -91,8 +91,10 @@ class TetrahedronImprover {
     Index worst = -1;
     Vector3 middle = Vector3::Zero();
     double total = 0, size = 0;
+    worst_first_.clear();
     for (const Index t : star(v)) {
       const double q = quality(t);
+      worst_first_.emplace_back(q, t);
       if (q < least) {
         least = q;
         worst = t;
@@ -107,11 +109,12 @@ class TetrahedronImprover {
       size = std::max(size, (sum - 4 * old).norm() / 3);
     }
     if (!is_to_relax && least >= wanted_) return false;
+    std::ranges::sort(worst_first_);
     Vector3 best = old;
     double best_quality = least;
     const auto quality_at = [&](const Vector3& place) {
       x_[static_cast<std::size_t>(v)] = place;
-      const double q = star_quality(v, best_quality);
+      const double q = least_quality(best_quality);
       x_[static_cast<std::size_t>(v)] = old;
       return q;
     };
@@ -324,6 +327,8 @@ class TetrahedronImprover {
   double wanted_;
   std::vector<std::vector<Index>> star_;  ///< cells of each vertex
   std::vector<Index> free_;
+  std::vector<std::pair<double, Index>>
+      worst_first_;  ///< cells of the vertex that is moved, by their quality
 };
 
 }  // namespace
