@@ -159,6 +159,13 @@ TEST(SumOfLaws, NamesThePartThatIsWrong) {
   EXPECT_NE(error_of("yeoh + yoeh", {}).find("material.law"), std::string::npos);
   EXPECT_NE(error_of("yeoh + gent", {{"youngs_modulus", 1}}).find("sum[0].c10"), std::string::npos);
   EXPECT_EQ(find_law("linear_elastic + yeoh"), nullptr);
+  for (const char* name :
+       {"+", " + ", "yeoh+gent", "yeoh +", "+ yeoh", "yeoh + ", "yeoh + + gent", "yeoh ++ gent"})
+    EXPECT_EQ(find_law(name), nullptr) << name;
+  std::string many = "yeoh";
+  for (std::size_t i = 1; i < most_in_sum; ++i) many += " + yeoh";
+  EXPECT_NE(find_law(many), nullptr);
+  EXPECT_EQ(find_law(many + " + yeoh"), nullptr);
 }
 
 }  // namespace

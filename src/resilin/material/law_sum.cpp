@@ -141,13 +141,14 @@ std::string sum_constant(std::size_t part, std::string_view constant) {
 const LawInfo* find_sum(std::string_view name) {
   static std::mutex mutex;
   static std::map<std::string, std::unique_ptr<Sum>, std::less<>> sums;
+  const std::vector<std::string_view> names = split(name);
+  if (names.size() < 2 || names.size() > most_in_sum) return nullptr;
   std::vector<const LawInfo*> parts;
-  for (const std::string_view part : split(name)) {
+  for (const std::string_view part : names) {
     const LawInfo* law = find_law(part);
     if (law == nullptr || is_sum(*law) || is_plane_stress(*law) || law->is_quadratic) return nullptr;
     parts.push_back(law);
   }
-  if (parts.size() < 2) return nullptr;
   const std::lock_guard lock(mutex);
   const auto known = sums.find(name);
   if (known != sums.end()) return &known->second->info;

@@ -29,6 +29,8 @@ inline std::size_t num_own_families(const LawPart& part, std::size_t given) {
   return given < part.first_family ? 0 : std::min(most, given - part.first_family);
 }
 
+constexpr std::size_t most_in_sum = 9;
+
 inline bool is_sum(const LawInfo& law) { return !law.parts.empty(); }
 
 /// "yeoh + exponential_fibre"

@@ -239,11 +239,10 @@ void add_part(const LawInfo& law, const std::string& place, std::size_t number, 
 }
 
 void read_sum(const SceneNode& node, const Mesh& mesh, MaterialDescription& material) {
-  constexpr std::size_t most_parts = 9;
   expect_list(node, "tables { law, ... }, the parts of the sum");
   const std::size_t count = node.value->array().size();
-  if (count < 2 || count > most_parts)
-    node.fail("2 to " + std::to_string(most_parts) + " tables { law, ... }", "for one law leave sum out");
+  if (count < 2 || count > most_in_sum)
+    node.fail("2 to " + std::to_string(most_in_sum) + " tables { law, ... }", "for one law leave sum out");
   material.constants.clear();
   std::vector<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {

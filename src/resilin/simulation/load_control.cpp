@@ -182,8 +182,11 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
   Equilibrium near;  // from where springs have led bodies that friction holds
   while (true) {
     const double load = next_load(world, state);
-    const StagePlan plan = plan_increment(world, state.positions, state.load, load);
-    Potential potential = Potential::in_stage(world, state, plan.conditions, plan.stage);
+    StagePlan plan = plan_increment(world, state.positions, state.load, load);
+    const double load_time = plan.stage.load_time;
+    // The potential has what it needs of the stage, whose vectors are given back.
+    Potential potential =
+        Potential::in_stage(world, state, plan.conditions, std::exchange(plan.stage, Stage{}));
     VectorX x = was_held && load == near.load ? near.positions
                                               : predicted_positions(world, potential, plan.targets, state,
                                                                     load, report.failed_attempts > 0);
@@ -228,11 +231,11 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
         if (jump->energy > state.largest_jump) state.largest_jump_load = jump->to;
         state.largest_jump = std::max(state.largest_jump, jump->energy);
       }
-      const double heat = potential.heat_of_friction(state.positions, x, plan.stage.load_time);
+      const double heat = potential.heat_of_friction(state.positions, x, load_time);
       state.friction_work += heat;
       state.dissipated_energy += heat;
-      state.dissipated_energy += world.share.sum(
-          advance_history(world.terms, state.positions, x, plan.stage.load_time, state.history));
+      state.dissipated_energy +=
+          world.share.sum(advance_history(world.terms, state.positions, x, load_time, state.history));
       report.friction.add(searched);
       move_to(state, std::move(x), load);
       state.time = plan.conditions.time;
