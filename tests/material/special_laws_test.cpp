@@ -77,6 +77,38 @@ TEST(ExponentialFibre, AddsItsFibresToNeoHookean) {
   }
 }
 
+/// At constant volume the Kirchhoff stress of the fibres along their axis is l W'(l), beside that of the
+/// ground substance: nothing in compression, an exponential, then a line.
+TEST(ToeLinearFibre, StiffensExponentiallyAndThenLinearly) {
+  const double c3 = 3, c4 = 12, c5 = 150, l_m = 1.2;
+  const Material tissue = material("toe_linear_fibre", {2, 50, c3, c4, c5, l_m}, {Vector3::UnitX()});
+  const Material ground = material("neo_hookean_isochoric", {2, 50});
+  for (const double l : {0.8, 1.05, 1.1999, 1.2001, 1.5}) {
+    const Matrix<3> F = diagonal(l, 1 / std::sqrt(l), 1 / std::sqrt(l));
+    const double toe = c3 * std::expm1(c4 * (std::min(l, l_m) - 1));
+    const double expected = l < 1 ? 0 : toe + c5 * std::max(l - l_m, 0.0);
+    const Matrix<3> more =
+        first_piola_kirchhoff_stress<3>(tissue, F) - first_piola_kirchhoff_stress<3>(ground, F);
+    // the deviator of a stress along x alone
+    EXPECT_NEAR(more(0, 0) * l, 2.0 / 3 * expected, 1e-12 * (1 + expected)) << l;
+    EXPECT_NEAR(more(1, 1) / std::sqrt(l), -1.0 / 3 * expected, 1e-12 * (1 + expected)) << l;
+  }
+  // The energy is the integral of W', by Simpson's rule.
+  const auto fibre_energy = [&](double l) {
+    const Matrix<3> F = diagonal(l, 1 / std::sqrt(l), 1 / std::sqrt(l));
+    return energy_density<3>(tissue, F) - energy_density<3>(ground, F);
+  };
+  const int n = 2000;
+  double integral = 0;
+  for (int i = 0; i <= n; ++i) {
+    const double l = 1 + 0.19 * i / n, weight = i == 0 || i == n ? 1 : i % 2 == 1 ? 4 : 2;
+    integral += weight * 0.19 / (3 * n) * c3 * std::expm1(c4 * (l - 1)) / l;
+  }
+  EXPECT_NEAR(fibre_energy(1.19), integral, 1e-11);
+  EXPECT_NEAR(fibre_energy(1.5) - fibre_energy(1.2),
+              c5 * 0.3 + (c3 * std::expm1(c4 * 0.2) - c5 * l_m) * std::log(1.5 / 1.2), 1e-11);
+}
+
 /// Small strain: the compliances of a pull along each axis and of each shear.
 TEST(Orthotropic, HasTheGivenModuliAlongItsAxes) {
   const std::vector<double> c = {1.0, 2.0, 3.0, 0.4, 0.5, 0.6, 0.3, 0.2, 0.1};

@@ -173,6 +173,7 @@ constexpr std::array rows = {
     Row{"holmes_mow", "holmesmow", "body.material.law"},
     Row{"hencky", "logarithmic_strain_law", "body.material.law"},
     Row{"exponential_fibre", "fiber_exp_pow exponential_fiber", "body.material.law"},
+    Row{"toe_linear_fibre", "fiber_exp_linear trans_iso_mooney_rivlin ligament", "body.material.law"},
     Row{"sum", "mixture solid_mixture uncoupled_solid_mixture", "body.material.sum"},
     Row{"saint_venant_kirchhoff", "stvk svk st_venant_kirchhoff saint_venant", "body.material.law"},
     Row{"disc", "disk circle", "mesh = { disc = ... }"},

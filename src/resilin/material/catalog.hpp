@@ -29,6 +29,7 @@ namespace resilin {
   LAW(HolmesMow)              \
   LAW(HolzapfelGasserOgden)   \
   LAW(ExponentialFibre)       \
+  LAW(ToeLinearFibre)         \
   LAW(TransverselyIsotropic)  \
   LAW(Orthotropic)            \
   LAW(FungOrthotropic)        \
