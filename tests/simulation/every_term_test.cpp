@@ -171,6 +171,7 @@ void add_arm(Description& scene) {
   };
   add("stretched spring", {on_arm, on_bar}, scene.springs).rest_length = 1;
   add("pressed spring", {on_arm, on_bar}, scene.springs).rest_length = 5;
+  add("spring without rest length", {on_arm, on_bar}, scene.springs).rest_length = 0;
   CableDescription& slack = add("slack spring", {on_arm, on_bar}, scene.springs);
   slack.rest_length = 5;
   slack.tension_only = true;

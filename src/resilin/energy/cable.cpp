@@ -5,6 +5,15 @@
 
 namespace resilin {
 
+namespace {
+
+/// Whether it is a spring of rest length 0: its energy k/2 |p_2 - p_1|^2 is smooth where the ends coincide.
+bool is_linear_spring(const std::vector<CarriedPoint>& points, const Cable::Law& law) {
+  return points.size() == 2 && law.rest_length == 0 && law.shortening == 0 && !law.tension;
+}
+
+}  // namespace
+
 Vector3 CarriedPoint::at(int dim, const VectorX& x) const {
   Vector3 sum = place;
   for (const auto& [node, weight] : nodes) sum += weight * node_position(dim, node, x);
@@ -123,6 +132,12 @@ void Cable::add_blocks(std::size_t i, std::size_t j, const Matrix<3>& block, Blo
 void Cable::add_hessian(const VectorX& x, const Conditions& c, Projection projection,
                         BlockMatrix& hessian) const {
   const double l = length(x), k = curvature(l, c);
+  if (l == 0 && is_linear_spring(points_, law_)) {
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t j = 0; j < 2; ++j)
+        add_blocks(i, j, (i == j ? law_.stiffness : -law_.stiffness) * Matrix<3>::Identity(), hessian);
+    return;
+  }
   double tension = slope(l, c);
   if (tension < 0 && projection == Projection::clamp) tension = 0;
   if (projection == Projection::absolute) tension = std::abs(tension);
@@ -160,12 +175,19 @@ std::optional<double> Cable::driven_work(const VectorX& from, const Conditions& 
 
 void Cable::add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const {
   if (law_.tension || points_.size() != 2 || law_.tension_only) return;
-  HeldDirection direction{.nodes = {}, .direction = first_direction(x)};
-  if (!(direction.direction.norm() > 0)) return;
-  for (int end = 0; end < 2; ++end)
-    for (const auto& [node, weight] : points_[static_cast<std::size_t>(end)].nodes)
-      direction.nodes.push_back({node, end == 0 ? weight : -weight});
-  held.push_back(std::move(direction));
+  const Vector3 along = first_direction(x);
+  std::vector<Vector3> directions;
+  if (along.norm() > 0)
+    directions.push_back(along);
+  else if (is_linear_spring(points_, law_))
+    for (int axis = 0; axis < dim_; ++axis) directions.push_back(Vector3::Unit(axis));
+  for (const Vector3& each : directions) {
+    HeldDirection direction{.nodes = {}, .direction = each};
+    for (int end = 0; end < 2; ++end)
+      for (const auto& [node, weight] : points_[static_cast<std::size_t>(end)].nodes)
+        direction.nodes.push_back({node, end == 0 ? weight : -weight});
+    held.push_back(std::move(direction));
+  }
 }
 
 }  // namespace resilin

@@ -417,8 +417,13 @@ void check_is_held(const World& world) {
   std::vector<HeldDirection> held_directions;
   for (const auto& term : world.terms) term->add_held_directions(world.start_positions, held_directions);
   add_constraint_directions(world, held_directions);
-  for (const Joint& joint : world.joints)
+  for (const Joint& joint : world.joints) {
     held_directions.insert(held_directions.end(), joint.held.begin(), joint.held.end());
+    // Where a slanted slider precedes them, their relations above mix components.
+    for (const Joint::Row& row : joint.rows)
+      for (int axis = 0; axis < dim && !row.direction; ++axis)
+        held_directions.push_back({.nodes = row.nodes, .direction = Vector3::Unit(axis)});
+  }
   const std::vector<LooseBody> loose = loose_bodies(world, is_held, held_directions);
   if (loose.empty()) return;
   JoinedParts joined(world, loose);

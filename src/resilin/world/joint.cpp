@@ -489,7 +489,10 @@ std::shared_ptr<Cable> make_cable(const CableDescription& description, World& wo
                  .function = description.time_function};
   const Cable alone(description.name, world.dimension, points, law);
   const double length = alone.length(world.rest_positions);
-  if (!(length > 0)) throw InputError(description.place + ".points", "points apart", "points in one place");
+  const bool may_coincide = points.size() == 2 && !description.tension && description.rest_length == 0.0;
+  if (!(length > 0) && !may_coincide)
+    throw InputError(description.place + ".points", "points apart", "points in one place",
+                     "a spring between them needs rest_length = 0");
   law.rest_length = description.rest_length.value_or(length);
   return std::make_shared<Cable>(description.name, world.dimension, std::move(points), std::move(law));
 }

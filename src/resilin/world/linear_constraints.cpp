@@ -13,7 +13,9 @@ namespace {
 using Weight = Dependents::Weight;
 using Constant = LinearConstraints::Constant;
 
-constexpr double negligible_coefficient = 1e-12;  ///< relative to the largest one of an equation
+/// Relative to the largest coefficient of an equation. What is left of an equation that others have said is
+/// the accuracy of the geometry: axes of joints that should meet miss each other by the rounding of a file.
+constexpr double negligible_coefficient = 1e-6;
 
 }  // namespace
 
