@@ -167,6 +167,58 @@ def energy_growth(report, _folder):
     return max(energy["total"] - energies[0]["total"] for energy in energies) / energies[0]["kinetic"]
 
 
+def largest_energy_drift(report, _folder):
+    """Largest change of the total energy from that at the start, over the largest kinetic energy."""
+    energies = [frame["energy"] for frame in report["frames"]]
+    change = max(abs(energy["total"] - energies[0]["total"]) for energy in energies)
+    return change / max(energy["kinetic"] for energy in energies)
+
+
+def flips(report, _folder, body, axis, count):
+    """The first times at which the component of the angular velocity along an axis of a rigid body changes its sign."""
+    rates = []
+    for frame in report["frames"]:
+        motion = frame["rigid_bodies"][body]
+        rates.append((frame["time"], dot(turned(motion["rotation"], unit(axis)), motion["angular_velocity"])))
+    times = []
+    for (t0, before), (t1, after) in zip(rates, rates[1:], strict=False):
+        if before * after < 0:
+            times.append(t0 + (t1 - t0) * before / (before - after))
+    return times[:count]
+
+
+def time_to_turn(report, _folder, body, angle):
+    """When a rigid body in the plane has turned by an angle, either way."""
+    angles = []
+    for frame in report["frames"]:
+        w, _, _, z = frame["rigid_bodies"][body]["rotation"]
+        angles.append((frame["time"], abs(2 * math.atan2(z, w))))
+    for (t0, before), (t1, after) in zip(angles, angles[1:], strict=False):
+        if before < angle <= after:
+            return t0 + (t1 - t0) * (angle - before) / (after - before)
+    return math.nan
+
+
+def unit(axis):
+    return [1.0 if k == axis else 0.0 for k in range(3)]
+
+
+def dot(a, b):
+    return math.fsum(x * y for x, y in zip(a, b, strict=True))
+
+
+def turned(quaternion, vector):
+    """A vector turned by a quaternion (w, x, y, z)."""
+    w, *axis = quaternion
+    across = cross(axis, vector)
+    twice = cross(axis, across)
+    return [v + 2 * (w * a + b) for v, a, b in zip(vector, across, twice, strict=True)]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
 def restitution(report, _folder, axis):
     """Speed of the centre of mass at the end over that at the start, back again."""
     momenta = [frame["momentum"]["linear"][axis] for frame in report["frames"]]
@@ -203,6 +255,9 @@ MEASURES = {
         unsolved_steps,
         coordinate,
         energy_growth,
+        largest_energy_drift,
+        flips,
+        time_to_turn,
         restitution,
         probe_speed,
     )

@@ -27,6 +27,7 @@ TOPICS = (
     "Constitutive models",
     "Buckling",
     "Dynamics and modal analysis",
+    "Rigid bodies, joints and cables",
     "Contact and friction",
 )
 SUMMARY = (
