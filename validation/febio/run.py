@@ -15,39 +15,9 @@ import json
 import os
 import pathlib
 import time
-import warnings
 
-import numpy as np
 from materials import InexpressibleError
-from problem import Problem
-from translate import Translation
-
-import resilin
-
-
-def translations(path):
-    problem = Problem(path)
-    found = [Translation(problem, phase) for phase in problem.phases]
-    if len(found) > 1 and (any(t.present for t in found) or any(t.phase.is_dynamic for t in found[:-1])):
-        raise InexpressibleError("several steps")
-    return found
-
-
-def norm_of(path):
-    """A static step may come before others: its positions are the initial ones of the next step."""
-    before = None
-    for translation in translations(path):
-        if before is not None:
-            for table in translation.scene["body"]:
-                table["initial_positions"] = before[table["name"]]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            result = resilin.run(translation.scene)
-        if result.report["status"] != "done":
-            raise RuntimeError(result.report["reason"])
-        positions = np.asarray(result.positions[-1])
-        before = {body.name: positions[result.vertices(body.name)].tolist() for body in translation.soft}
-    return translation.norm(result)
+from translate import norm_of
 
 
 def compare(folder, only):

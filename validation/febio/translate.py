@@ -1,10 +1,11 @@
 """The scene of a file of FEBio, and the norm of its solution."""
 
 import collections
+import warnings
 
 import numpy as np
 from materials import InexpressibleError, number, vector
-from problem import RigidMotion
+from problem import Problem, RigidMotion
 
 import resilin
 
@@ -31,7 +32,7 @@ def rotation_matrix(v):
 
 
 def centroid(positions, cells):
-    """Of hexahedra or tetrahedra whose faces are flat: by tetrahedra from the first node of each."""
+    """The centre of mass of hexahedra or tetrahedra with flat faces."""
     total, moment = 0, np.zeros(3)
     parts = [(0, 1, 2, 3)]
     if len(cells[0]) == 8:
@@ -473,7 +474,7 @@ class Translation:
         return np.cross(corners[1] - corners[0], corners[3] - corners[0])
 
     def even(self, forces, mean, corners):
-        """What an even pressure lacks of the nodal forces of a pressure that varies: little, so that it is dead."""
+        """The nodal forces of a pressure that varies, less those of its mean: small, and therefore dead loads."""
         return -(forces - mean * np.outer(np.full(len(corners), 0.25), self.area(corners)))
 
     def add_difference(self, body, rows, forces):
@@ -704,3 +705,28 @@ class Translation:
     def norm(self, result):
         parts = [self.displacements(result)[body.name][body.is_free] for body in self.soft]
         return float(np.linalg.norm(np.concatenate([*parts, np.array(self.rigid_unknowns(result.report))])))
+
+
+def translations(path):
+    problem = Problem(path)
+    found = [Translation(problem, phase) for phase in problem.phases]
+    if len(found) > 1 and (any(t.present for t in found) or any(t.phase.is_dynamic for t in found[:-1])):
+        raise InexpressibleError("several steps")
+    return found
+
+
+def norm_of(path):
+    """A static step may come before others: its positions are the initial ones of the next step."""
+    before = None
+    for translation in translations(path):
+        if before is not None:
+            for table in translation.scene["body"]:
+                table["initial_positions"] = before[table["name"]]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            result = resilin.run(translation.scene)
+        if result.report["status"] != "done":
+            raise RuntimeError(result.report["reason"])
+        positions = np.asarray(result.positions[-1])
+        before = {body.name: positions[result.vertices(body.name)].tolist() for body in translation.soft}
+    return translation.norm(result)
