@@ -158,8 +158,8 @@ StepReport TimeStepper::adaptive_step(const World& world, const AdaptiveSteps& o
     report.time_step = planned.length;
     report.time_error = step_error(world, newton, state, found, planned.length);
     const double error = report.time_error / tolerance;
-    const double fitting = found.is_usable ? choice.factor(planned.length, error) : 0.5;
-    const bool is_accepted = found.is_usable && error <= 1;
+    const double fitting = found.remedies.shorter_step ? 0.5 : choice.factor(planned.length, error);
+    const bool is_accepted = !found.remedies.shorter_step && error <= 1;
     if (!is_accepted && planned.length > shortest * (1 + 1e-9)) {
       wanted = std::max(shortest, std::min(0.9, fitting) * planned.length);
       continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "resilin/simulation/energy_guard.hpp"
 #include "resilin/simulation/potential.hpp"
@@ -14,6 +15,25 @@ double dissipation(const World& world, const State& state, const Motion& end, do
   double sum = 0;
   for (const auto& term : world.terms) sum += term->dissipation(state.positions, end.positions, time_step);
   return world.share.sum(sum);
+}
+
+/// What is done about each flaw. Steps that are short of iterations on purpose are as good as they get.
+Remedies remedies_of(Flaw flaw) {
+  switch (flaw) {
+    case Flaw::not_found:
+      return {.shorter_step = true, .parts = true, .backward_euler = true};
+    case Flaw::cut_short:
+      return {.shorter_step = false, .parts = false, .backward_euler = true};
+    case Flaw::out_of_balance:
+      return {.shorter_step = true, .parts = false, .backward_euler = true};
+    case Flaw::unsettled_friction:  // where it may settle, `is_lost` has it taken in parts, too
+      return {.shorter_step = true, .parts = false, .backward_euler = false};
+    case Flaw::blocked:
+      return {.shorter_step = true, .parts = false, .backward_euler = true};
+    case Flaw::leaves_domain:  // already by backward Euler
+      return {.shorter_step = true, .parts = false, .backward_euler = false};
+  }
+  return {};
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -29,6 +49,16 @@ History history_of(const State& state) {
           .previous_positions = state.previous_positions,
           .previous_velocities = state.previous_velocities,
           .previous_time_step = state.previous_time_step};
+}
+
+void TimeStepper::Attempt::add(Flaw flaw, std::string reason, bool began_in_flight) {
+  const Remedies more = remedies_of(flaw);
+  remedies.shorter_step |= more.shorter_step;
+  remedies.parts |= more.parts;
+  remedies.backward_euler |= more.backward_euler && !began_in_flight;
+  report.status = StepReport::Status::not_converged;
+  report.reason = std::move(reason);
+  report.has_solution = !remedies.parts;
 }
 
 bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, double time_step,

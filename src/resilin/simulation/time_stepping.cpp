@@ -95,40 +95,30 @@ TimeStepper::Attempt TimeStepper::attempt(const World& world, Newton& newton, co
       return attempt;
     }
     if (!search.converged()) {
-      report.status = StepReport::Status::not_converged;
-      report.reason = describe_failure(world, search, x);
-      attempt.touches |= !(potential.energy(EnergyCategory::contact, flying.places) == 0);
-      attempt.may_be_turned |= !searched.flew;
       const bool is_cut_short = search.status == NewtonReport::Status::max_iterations &&
                                 world.newton.max_iterations < NewtonOptions{}.max_iterations;
-      report.has_solution &= is_cut_short;
-      attempt.is_usable &= is_cut_short;
+      attempt.add(is_cut_short ? Flaw::cut_short : Flaw::not_found, describe_failure(world, search, x),
+                  searched.flew);
+      attempt.touches |= !(potential.energy(EnergyCategory::contact, flying.places) == 0);
     }
     potential.gradient(x, attempt.gradient);
     // Energies are compared where the run ends: they cost as much as a step of Newton's method.
     const bool is_last = state.time + time_step >= world.end_time - time_slack(world.end_time);
     const VectorX displacement = is_last ? VectorX(x - start.now.positions) : VectorX();
-    if (const std::string imbalance =
-            search.converged() && searched.friction_mismatch <= largest_balance_error
-                ? describe_imbalance(world, potential, x, attempt.gradient, search, displacement)
-                : "";
-        !imbalance.empty()) {
-      report.status = StepReport::Status::not_converged;
-      report.reason = imbalance;
-      attempt.is_usable = false;
-      attempt.may_be_turned = true;
-    }
     if (searched.friction_mismatch > largest_balance_error) {
-      report.status = StepReport::Status::not_converged;
-      report.reason = describe_unsettled_friction(searched);
-      attempt.is_usable = false;
+      attempt.add(Flaw::unsettled_friction, describe_unsettled_friction(searched));
+    } else if (search.converged()) {
+      std::string imbalance = describe_imbalance(world, potential, x, attempt.gradient, search, displacement);
+      if (!imbalance.empty()) attempt.add(Flaw::out_of_balance, std::move(imbalance));
     }
     if (delay > 0) {
-      attempt.is_usable &= !search.converged();  // else a shorter step may let it pass
-      attempt.may_be_turned |= search.converged();
-      report.status = StepReport::Status::not_converged;
-      report.reason = "bodies block a moving collider, which is " + format_short(delay) +
-                      " s behind its motion" + (report.reason.empty() ? "" : "; " + report.reason);
+      std::string reason = "bodies block a moving collider, which is " + format_short(delay) +
+                           " s behind its motion" + (report.reason.empty() ? "" : "; " + report.reason);
+      // Where a search has failed, its flaw decides: a shorter step may let the collider pass.
+      if (search.converged())
+        attempt.add(Flaw::blocked, std::move(reason));
+      else
+        report.reason = std::move(reason);
     }
     colliders_reached = end - delay;
     attempt.collider_delay = delay;
@@ -166,9 +156,9 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   const bool is_safest = integrator_->name() == safest_.name();
   Attempt found = attempt(world, newton, state, time_step, *integrator_, observer);
   if (found.is_interrupted()) return found;
-  const bool is_lost = found.touches && found.may_be_turned && !is_safest;
+  const bool is_turned = found.touches && found.remedies.backward_euler && !is_safest;
   const double round_off = round_off_energy(world, strain_stiffness_, state.positions, time_step);
-  if (!is_lost && found.keeps_energy(world, state, time_step, round_off, is_safest)) return found;
+  if (!is_turned && found.keeps_energy(world, state, time_step, round_off, is_safest)) return found;
   const Conditions end = conditions_after(state, time_step, found.collider_delay);
   const bool leaves_domain = !Potential::in_stage(world, state, end, static_stage(state.positions))
                                   .is_in_domain(found.end.positions);
@@ -178,12 +168,9 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
   if (other.is_interrupted()) return other;
   other.keeps_energy(world, state, time_step, round_off, true);
   other.report.by_backward_euler = true;
-  if (leaves_domain) {
-    other.is_usable = false;
-    other.report.status = StepReport::Status::not_converged;
-    other.report.reason = "the step would have inverted an element, so backward_euler was used" +
-                          (other.report.reason.empty() ? "" : "; " + other.report.reason);
-  }
+  if (leaves_domain)
+    other.add(Flaw::leaves_domain, "the step would have inverted an element, so backward_euler was used" +
+                                       (other.report.reason.empty() ? "" : "; " + other.report.reason));
   return other;
 }
 
