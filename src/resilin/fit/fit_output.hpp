@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "resilin/fit/fit_report.hpp"
 
@@ -33,16 +34,18 @@ struct ShownUnit {
 };
 ShownUnit shown_unit(const FitReport& report);
 
+/// The laws as rows, the best first, below the names of the columns.
+std::vector<std::vector<std::string>> ranking(const FitReport& report, const ShownUnit& unit);
+
 /// "0.35264", "7.28e-07": so many digits as the interval makes known.
 std::string value_text(double value, double half_width);
-
-/// Four digits; "-" for a test whose points all have one stress, which has none.
-std::string r_squared_text(double r_squared);
 
 /// "absolute residuals P_model - P_measured" ..., and the weights.
 std::string objective_text(const FitReport& report);
 
 /// "uniaxial: stable", "equibiaxial: 0.283 to 8.85".
 std::string stability_text(const StabilityRange& range);
+/// Those of a law, "; " between them; empty where it was not checked.
+std::string stability_text(const LawFit& fit);
 
 }  // namespace resilin

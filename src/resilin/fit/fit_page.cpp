@@ -23,22 +23,6 @@ std::string legend_html(const FitReport& report) {
   return text;
 }
 
-std::string ranking_html(const FitReport& report) {
-  const ShownUnit unit = shown_unit(report);
-  std::vector<std::vector<std::string>> rows = {{"law", "constants", "AICc", "weight"}};
-  for (const MaterialTest& test : report.description.tests) rows.front().push_back("R2 " + test.name);
-  rows.front().insert(rows.front().end(), {"E [" + unit.name + "]", "nu"});
-  for (const LawFit& fit : report.laws) {
-    rows.push_back({fit.name, std::to_string(fit.num_fitted),
-                    std::isfinite(fit.aicc) ? fmt::format("{:.1f}", fit.aicc) : "-",
-                    fmt::format("{:.3f}", fit.akaike_weight)});
-    for (const TestQuality& test : fit.tests) rows.back().push_back(r_squared_text(test.r_squared));
-    rows.back().push_back(fmt::format("{:.4g}", fit.youngs_modulus / unit.in_pascal));
-    rows.back().push_back(fmt::format("{:.4g}", fit.poissons_ratio));
-  }
-  return html_table(rows);
-}
-
 std::string constants_html(const LawFit& fit, const ShownUnit& unit) {
   std::vector<std::vector<std::string>> rows = {{"constant", "value", "95 % interval", "unit"}};
   for (const ConstantEstimate& constant : fit.constants) {
@@ -59,10 +43,7 @@ std::string law_html(const LawFit& fit, const ShownUnit& unit) {
   std::string text = html_heading(fit.name) +
                      html_paragraph("faint", "Psi = " + std::string(fit.material.law->formula)) +
                      "<div class=\"card\">" + constants_html(fit, unit) + "</div>";
-  std::string stable;
-  for (const StabilityRange& range : fit.stability)
-    stable += (stable.empty() ? "" : "; ") + stability_text(range);
-  if (!stable.empty()) text += html_paragraph("faint", "Stable: " + stable);
+  if (!fit.stability.empty()) text += html_paragraph("faint", "Stable: " + stability_text(fit));
   for (const Correlation& pair : fit.correlations) text += html_paragraph("faint", pair.text);
   for (const std::string& remark : fit.remarks) text += html_paragraph("faint", remark);
   for (const std::string& warning : fit.warnings) text += html_paragraph("warning", warning);
@@ -88,7 +69,7 @@ std::string fit_page(const FitReport& report) {
            html_paragraph("faint",
                           "Circles: data. The shaded range is that of the data. Lines are dashed where "
                           "the model is unstable (Drucker's condition).") +
-           html_heading("Models, the best first") + html_card(ranking_html(report)) + laws +
+           html_heading("Models, the best first") + html_card(html_table(ranking(report, unit))) + laws +
            html_heading("For a scene") +
            html_paragraph("faint", "Also in material.toml: to be pasted under a [[body]].") +
            html_listing(material_toml(report))});

@@ -46,10 +46,7 @@ void add_law(const LawFit& fit, const FitReport& report, const ShownUnit& unit, 
   }
   rows.push_back({"  sum of squares",
                   format_number(fit.sum_of_squares / scale) + (is_absolute ? " " + unit.name + "^2" : "")});
-  std::string stable;
-  for (const StabilityRange& range : fit.stability)
-    stable += (stable.empty() ? "" : "; ") + stability_text(range);
-  if (!stable.empty()) rows.push_back({"  stable", stable});
+  if (!fit.stability.empty()) rows.push_back({"  stable", stability_text(fit)});
   text += format_table(rows);
   for (std::size_t i = 0; i < std::min(fit.correlations.size(), most_correlations_told); ++i)
     text += "  " + fit.correlations[i].text + "\n";
@@ -67,26 +64,19 @@ std::string tests_line(const FitReport& report) {
   return text;
 }
 
-std::vector<std::vector<std::string>> ranking(const FitReport& report, const ShownUnit& unit) {
-  std::vector<std::vector<std::string>> rows = {{"law", "constants", "AICc", "weight"}};
-  for (const MaterialTest& test : report.description.tests) rows.front().push_back("R2 " + test.name);
-  rows.front().insert(rows.front().end(), {"E [" + unit.name + "]", "nu", "stable"});
-  for (const LawFit& fit : report.laws) {
-    std::vector<std::string> row = {fit.name, std::to_string(fit.num_fitted),
-                                    std::isfinite(fit.aicc) ? fmt::format("{:.1f}", fit.aicc) : "-",
-                                    fmt::format("{:.3f}", fit.akaike_weight)};
-    for (const TestQuality& quality : fit.tests) row.push_back(r_squared_text(quality.r_squared));
-    row.push_back(fmt::format("{:.4g}", fit.youngs_modulus / unit.in_pascal));
-    row.push_back(fmt::format("{:.4g}", fit.poissons_ratio));
-    const bool is_told = !fit.stability.empty();
-    const bool is_lost = std::ranges::any_of(fit.warnings, [](const std::string& warning) {
-      return warning.find("unstable beyond") != std::string::npos ||
-             warning.find("unstable below") != std::string::npos;
-    });
-    row.emplace_back(!is_told ? "-" : is_lost ? "in part" : fit.is_bounded ? "held" : "yes");
-    rows.push_back(row);
-  }
-  return rows;
+/// Four digits; "-" for a test whose points all have one stress, which has none.
+std::string r_squared_text(double r_squared) {
+  return std::isfinite(r_squared) ? fmt::format("{:.4f}", r_squared) : "-";
+}
+
+/// In a column of the table: whether the law is stable.
+std::string stable_text(const LawFit& fit) {
+  if (fit.stability.empty()) return "-";
+  const bool is_lost = std::ranges::any_of(fit.warnings, [](const std::string& warning) {
+    return warning.find("unstable beyond") != std::string::npos ||
+           warning.find("unstable below") != std::string::npos;
+  });
+  return is_lost ? "in part" : fit.is_bounded ? "held" : "yes";
 }
 
 }  // namespace
@@ -100,8 +90,19 @@ ShownUnit shown_unit(const FitReport& report) {
   return {most->unit, most->unit_in_pascal};
 }
 
-std::string r_squared_text(double r_squared) {
-  return std::isfinite(r_squared) ? fmt::format("{:.4f}", r_squared) : "-";
+std::vector<std::vector<std::string>> ranking(const FitReport& report, const ShownUnit& unit) {
+  std::vector<std::vector<std::string>> rows = {{"law", "constants", "AICc", "weight"}};
+  for (const MaterialTest& test : report.description.tests) rows.front().push_back("R2 " + test.name);
+  rows.front().insert(rows.front().end(), {"E [" + unit.name + "]", "nu"});
+  for (const LawFit& fit : report.laws) {
+    rows.push_back({fit.name, std::to_string(fit.num_fitted),
+                    std::isfinite(fit.aicc) ? fmt::format("{:.1f}", fit.aicc) : "-",
+                    fmt::format("{:.3f}", fit.akaike_weight)});
+    for (const TestQuality& test : fit.tests) rows.back().push_back(r_squared_text(test.r_squared));
+    rows.back().push_back(fmt::format("{:.4g}", fit.youngs_modulus / unit.in_pascal));
+    rows.back().push_back(fmt::format("{:.4g}", fit.poissons_ratio));
+  }
+  return rows;
 }
 
 std::string value_text(double value, double half_width) {
@@ -148,12 +149,21 @@ std::string stability_text(const StabilityRange& range) {
   return mode + " everywhere";
 }
 
+std::string stability_text(const LawFit& fit) {
+  std::vector<std::string> ranges;
+  for (const StabilityRange& range : fit.stability) ranges.push_back(stability_text(range));
+  return join(ranges, "; ");
+}
+
 std::string fit_text(const FitReport& report) {
   const ShownUnit unit = shown_unit(report);
   std::string text;
   if (!report.description.title.empty()) text += one_line(report.description.title) + "\n";
   text += tests_line(report) + "\n" + objective_text(report) + "\n\n";
-  text += format_table(ranking(report, unit));
+  std::vector<std::vector<std::string>> table = ranking(report, unit);
+  table.front().emplace_back("stable");
+  for (std::size_t i = 0; i < report.laws.size(); ++i) table[i + 1].push_back(stable_text(report.laws[i]));
+  text += format_table(table);
   if (report.description.stability != StabilityRule::off)
     text += "\nStability is checked for stretches from 1/12 to 12; everywhere means this range.\n";
   for (const LawFit& fit : report.laws) add_law(fit, report, unit, text);
