@@ -3,21 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 
+#include "resilin/scene/tables.hpp"
 #include "resilin/world/load_catalog.hpp"
 #include "scene_text.hpp"
 
 namespace resilin::testing {
 namespace {
 
-/// A value that a key of a load may have.
+/// A value that a key of a load may have, by the type in its reference.
 std::string sample_value(const LoadKind& kind, const std::string& key) {
-  if (key == "value" && kind.has_number(3)) return "1";
-  const std::map<std::string, std::string> values = {
-      {"value", "[0, 0, 1]"}, {"where", "\"all\""},          {"point", "[0, 0, 1]"},
-      {"stiffness", "1"},     {"displacement", "[0, 0, 1]"}, {"velocity", "[0, 0, 1]"}};
-  return values.at(key);
+  if (key == "value") return kind.has_number(3) ? "1" : "[0, 0, 1]";
+  for (const auto& row : load_keys())
+    if (row.doc.name == key)
+      return row.doc.type.starts_with("number") ? "1" : row.doc.type == "vector" ? "[0, 0, 1]" : "\"all\"";
+  ADD_FAILURE() << kind.name << " has the key " << key << ", which is none of a load";
+  return "1";
 }
 
 /// The message when the scene's load is of this kind, with these keys.

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
+#include <type_traits>
 
 #include "resilin/core/error.hpp"
 #include "resilin/sensitivity/body_parameters.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/description_members.hpp"
 
 namespace resilin {
 namespace {
@@ -34,27 +37,38 @@ Parameter gravity(const World& world, const std::string& name) {
       [](WorldChange& of) { of.has_gravity = true; }, [](Description& of) -> Vector3& { return of.gravity; });
 }
 
+/// The numbers of a load by their key: members of its description, `value` as its kind has it.
+double* numbers_of(LoadDescription& load, const std::string& key, Eigen::Index size) {
+  if (key == "value" && size == 1) return &load.pressure;
+  double* numbers = nullptr;
+  visit_members(load, [&](std::string_view name, auto& member) {
+    using Type = std::remove_cvref_t<decltype(member)>;
+    if (name != key) return;
+    if constexpr (std::is_same_v<Type, Vector3>) {
+      numbers = member.data();
+    } else if constexpr (std::is_same_v<Type, double>) {
+      numbers = &member;
+    }
+  });
+  if (numbers == nullptr) throw std::logic_error("a load has no numbers \"" + key + "\"");
+  return numbers;
+}
+
 Parameter load_parameter(const World& world, std::size_t l, const std::string& name, const std::string& key) {
   const LoadDescription& load = world.made_from->loads[l];
   const Energy& term = *world.terms[world.term_of_load(l)];
   const auto parameters = term.parameters();
   const auto found = std::ranges::find(parameters, key, &EnergyParameter::name);
   const Eigen::Index size = found->size;
-  const bool is_number = size == 1;
-  const auto member = [=](LoadDescription& of) -> double* {
-    if (key == "stiffness") return &of.stiffness;
-    if (key == "displacement") return of.displacement.data();
-    if (key == "velocity") return of.velocity.data();
-    return is_number ? &of.pressure : of.value.data();
-  };
   LoadDescription copy = load;
-  Parameter parameter{.name = name, .shape = {}, .value = Eigen::Map<const VectorX>(member(copy), size)};
-  if (!is_number) parameter.shape = {size};
+  Parameter parameter{
+      .name = name, .shape = {}, .value = Eigen::Map<const VectorX>(numbers_of(copy, key, size), size)};
+  if (size > 1) parameter.shape = {size};
   parameter.ask = [=](WorldChange& of) { of.loads[l][key] = VectorX::Zero(size); };
   parameter.spread = [=](const VectorX& by, WorldChange& of) { of.loads[l][key] += by; };
   parameter.gather = [=](const WorldChange& of, VectorX& slopes) { slopes += of.loads[l].at(key); };
   parameter.set = [=](const VectorX& to, Description& of) {
-    Eigen::Map<VectorX>(member(of.loads[l]), size) = to;
+    Eigen::Map<VectorX>(numbers_of(of.loads[l], key, size), size) = to;
   };
   return parameter;
 }
