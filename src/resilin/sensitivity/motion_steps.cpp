@@ -207,7 +207,7 @@ VectorX MotionSteps::forward_accelerations(const Motion& at, double time, const 
                                            const TermChanges& of_terms, const WorldChange& of_world) {
   const SmoothForces smooth(world_, at, time);
   Motion prescribed = zero_motion(at.positions.size());
-  place_prescribed_changes(world_, of_world, {.time = time, .load = 1}, prescribed);
+  place_prescribed_changes(world_, of_world, smooth.potential.conditions(), prescribed);
   VectorX force = smooth.tangent_times(world_, at.positions, change.positions, false);
   add_stage_forces({smooth.potential, smooth.numbers}, at.positions, of_terms,
                    stage_at_once(change.positions, change.velocities), force);
@@ -226,7 +226,7 @@ void MotionSteps::transposed_accelerations(const Motion& at, double time, Motion
   Motion by_prescribed = zero_motion(at.positions.size());
   by_prescribed.accelerations = by_motion.accelerations + pull;
   by_prescribed = take_fixed(world_, by_prescribed);
-  add_prescribed_slopes(world_, by_prescribed, {.time = time, .load = 1}, by_world);
+  add_prescribed_slopes(world_, by_prescribed, smooth.potential.conditions(), by_world);
   by_motion.positions += smooth.tangent_times(world_, at.positions, lambda, true);
   Stage by_stage = zero_stage(smooth.stage);
   add_stage_slopes({smooth.potential, smooth.numbers}, at.positions, lambda, by_terms, by_stage);
@@ -244,7 +244,7 @@ Motion MotionSteps::forward_start(const StepReplay& first, const TermChanges& of
   if (of_world.start_velocities.size() > 0) start.velocities = of_world.start_velocities;
   take_fixed(world_, start);
   if (of_world.start_positions.size() > 0) start.positions = of_world.start_positions;
-  place_prescribed_changes(world_, of_world, {.time = first.time, .load = 1}, prescribed);
+  place_prescribed_changes(world_, of_world, first.conditions_at_start(), prescribed);
   start.velocities += prescribed.velocities;
   if (scheme_.needs_accelerations() && !first.renews_accelerations)
     start.accelerations = forward_accelerations(first.start().now, first.time, start, of_terms, of_world);
@@ -259,7 +259,7 @@ void MotionSteps::transposed_start(const StepReplay& first, Motion by_start, Ter
   by_start.positions.setZero();
   by_start.accelerations.setZero();
   const Motion by_prescribed = take_fixed(world_, by_start);
-  add_prescribed_slopes(world_, by_prescribed, {.time = first.time, .load = 1}, by_world);
+  add_prescribed_slopes(world_, by_prescribed, first.conditions_at_start(), by_world);
   if (by_world.start_velocities.size() > 0) by_world.start_velocities += by_start.velocities;
 }
 

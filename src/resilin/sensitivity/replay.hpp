@@ -29,6 +29,7 @@ struct StepReplay {
   std::vector<StageReplay> stages{};
 
   const History& start() const { return sequence.start(); }
+  Conditions conditions_at_start() const { return {.time = time}; }
   Conditions conditions_at_end() const { return {.time = time + time_step}; }
 };
 
