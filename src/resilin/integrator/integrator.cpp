@@ -76,16 +76,6 @@ Stage Integrator::begin_stage(int stage, const History& start, const std::vector
   return begun;
 }
 
-void follow_jump(const VectorX& jump, double elapsed, const Motion& end, VectorX& positions,
-                 VectorX& velocities) {
-  positions = (jump.array() != 0).select(end.positions - elapsed * end.velocities, positions);
-  velocities += jump;
-}
-
-VectorX where_jumps(const VectorX& jump, const VectorX& values) {
-  return (jump.array() != 0).select(values, VectorX::Zero(values.size()));
-}
-
 Motion Integrator::finish(const History& start, std::vector<Motion> solutions, double time_step) const {
   const StepCoefficients scheme = coefficients(step_ratio(start, time_step));
   Motion end = std::move(solutions.back());

@@ -89,16 +89,6 @@ class Integrator {
                          std::vector<Motion>& solutions) const;
 };
 
-/// How a motion that is known looks once an impulse has changed velocities by `jump`: as though bodies had
-/// come at even speed on the way that they now go on. Differences of motions then hold what is smooth alone.
-/// Where the impulse has acted, its place is that of even speed; nodes without an impulse keep theirs.
-/// @param elapsed  from the motion to `end` [s]
-/// @param end      motion at the end of the stage of the impulse
-void follow_jump(const VectorX& jump, double elapsed, const Motion& end, VectorX& positions,
-                 VectorX& velocities);
-/// The numbers of `values` where an impulse has acted, zero elsewhere.
-VectorX where_jumps(const VectorX& jump, const VectorX& values);
-
 /// An integrator by name; throws InputError for an unknown one, `place` begins its message.
 std::unique_ptr<Integrator> make_integrator(std::string_view name, const std::string& place);
 
