@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "resilin/simulation/contact_patches.hpp"
 #include "small_scenes.hpp"
 #include "test_names.hpp"
 
@@ -198,6 +199,82 @@ TEST_P(OnAYieldingBlock, ALightBodyKeepsItsHold) {
   ASSERT_EQ(simulation.frame().contacts.size(), 1U);
   const double mass = density * size * size;
   EXPECT_LT((simulation.frame().contacts[0].force + mass * scene.gravity).norm(), 1e-3 * mass * 9.8);
+}
+
+/// A plate on two feet, of which one is pressed to the ground by a load, the other by little more than its
+/// weight: what is stiff between them is a soft bridge.
+Description plate_on_two_feet(double load) {
+  Description scene;
+  scene.dimension = 2;
+  scene.gravity = {0, -10, 0};
+  scene.contact.activation_distance = 1e-3;
+  BodyDescription body;
+  body.name = body.place = "plate";
+  body.element = "P1";
+  body.mesh = make_rectangle({1.2, 0.2}, {12, 2});
+  for (Vector3& X : body.mesh.vertices) {
+    if (X.y() < 0.05 && X.x() > 0.45 && X.x() < 0.75) X.y() = 0.05;
+    X.y() += 4e-4;
+  }
+  body.material.law = "neo_hookean";
+  body.material.constants = {{"youngs_modulus", 2e3}, {"poissons_ratio", 0.3}};
+  body.material.density = 1;
+  RegionDescription foot;
+  foot.place = "foot";
+  foot.name = "foot";
+  foot.where.kind = Where::Kind::box;
+  foot.where.min = {-1, -1, -1};
+  foot.where.max = {0.401, 1, 1};
+  foot.material = body.material;
+  foot.material.constants["youngs_modulus"] = 1e3 * load;
+  body.regions.push_back(foot);
+  scene.bodies.push_back(std::move(body));
+  ColliderDescription ground;
+  ground.kind = "half_space";
+  ground.shape.normal = {0, 1, 0};
+  ground.activation_distance = 1e-3;
+  scene.colliders.push_back(ground);
+  LoadDescription press;
+  press.kind = "traction";
+  press.where.kind = Where::Kind::box;
+  press.where.min = {-0.01, 0.19, -1};
+  press.where.max = {0.401, 0.21, 1};
+  press.value = {0, -load, 0};
+  scene.loads.push_back(press);
+  LoadDescription hold;
+  hold.kind = "spring";
+  hold.where.kind = Where::Kind::all;
+  hold.stiffness = 1e-3;
+  scene.loads.push_back(hold);
+  return scene;
+}
+
+double patch_tolerance(const Simulation& simulation, const VectorX& x, double residual) {
+  const World& world = simulation.world();
+  Potential potential = Potential::at(world, world.at_load(1), x);
+  return tolerance_of_patches(world, potential, ConnectedComponents(*world.pattern), x, 1e-8, residual, {});
+}
+
+TEST(ContactPatches, ALightOneEndsInBalanceBesideAHeavyOne) {
+  for (const double load : {1e3, 1e5, 1e6}) {
+    const Simulation simulation = converged_end_of(plate_on_two_feet(load));
+    EXPECT_EQ(patch_tolerance(simulation, simulation.state().positions, 1e-8), 1e-8) << load;
+  }
+}
+
+TEST(ContactPatches, ALightOneOutOfBalanceAsksForWhatItsOwnForceIsWorth) {
+  const double load = 1e6;
+  const Simulation simulation = converged_end_of(plate_on_two_feet(load));
+  VectorX x = simulation.state().positions;
+  const World& world = simulation.world();
+  for (Index node = 0; node < world.num_nodes(); ++node)
+    if (world.rest_positions[2 * node] > 1.15 && world.rest_positions[2 * node + 1] > 0.15)
+      x[2 * node] += 1e-6;  // strained by some thousandths of its weight
+  const double asked = patch_tolerance(simulation, x, 1e-8);
+  // It weighs about one newton, and the load is 0.4e6 N.
+  EXPECT_LT(asked, 1e-8);
+  EXPECT_GT(asked, 1e-3 / load * 0.1);
+  EXPECT_EQ(patch_tolerance(simulation, x, 1e-12), 1e-8) << "the residual is known to be small enough";
 }
 
 /// The same problem in other units of length, stress and time.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,9 @@
 namespace resilin {
 namespace {
 
+/// Imbalance of a part that is small for a patch, relative to the forces on the patch.
+constexpr double largest_patch_error = 1e-3;
+/// Positions have no digits for less; a patch that would need it is grazed.
 constexpr double smallest_tolerance = 1e-12;
 
 /// Numbers of the patches by node, -1 for nodes that nothing touches.
@@ -47,45 +51,41 @@ std::vector<Index> patches_of(const World& world, const VectorX& touch, Index& c
 
 }  // namespace
 
-double worst_patch(const World& world, const Potential& potential, const ConnectedComponents& parts,
-                   const VectorX& x, double residual, const VectorX& rounding) {
-  if (!world.share.is_whole()) return 0;
-  const std::vector<VectorX> acting = potential.gradients_without(EnergyCategory::elastic, x);
+double tolerance_of_patches(const World& world, const Potential& potential, const ConnectedComponents& parts,
+                            const VectorX& x, double tolerance, double residual, const VectorX& rounding) {
+  if (!world.share.is_whole()) return tolerance;
   const VectorX touch =
       potential.gradient_of(EnergyCategory::contact, x) + potential.gradient_of(EnergyCategory::friction, x);
-  if (touch.isZero(0)) return 0;
+  if (touch.isZero(0)) return tolerance;
+  VectorX scales = parts.norms(touch, world.is_fixed, Unknowns::all);
+  for (const VectorX& forces : potential.gradients_without(EnergyCategory::elastic, x))
+    scales = scales.cwiseMax(parts.norms(forces, world.is_fixed, Unknowns::all));
   Index count = 0;
   const std::vector<Index> patch_of = patches_of(world, touch, count);
   const Eigen::Index dim = world.dimension;
-  const auto sums_over_patches = [&](const VectorX& forces) {
-    VectorX sums = VectorX::Zero(count);
-    for (Index node = 0; node < world.num_nodes(); ++node)
-      if (const Index patch = patch_of[static_cast<std::size_t>(node)]; patch >= 0)
-        sums[patch] += forces.segment(node * dim, dim).squaredNorm();
-    return VectorX(sums.cwiseSqrt());
-  };
-  const VectorX touches = sums_over_patches(touch);
-  VectorX scales = parts.norms(touch, world.is_fixed, Unknowns::all);
-  for (const VectorX& forces : acting)
-    scales = scales.cwiseMax(parts.norms(forces, world.is_fixed, Unknowns::all));
-  VectorX allowed = VectorX::Constant(count, 0.0);  // what the residual of its part may leave at a patch
+  VectorX forces = VectorX::Zero(count);
+  std::vector<Index> part_of(static_cast<std::size_t>(count));
   for (Index node = 0; node < world.num_nodes(); ++node)
-    if (const Index patch = patch_of[static_cast<std::size_t>(node)]; patch >= 0)
-      allowed[patch] = residual * scales[parts.of_node(node)];
-  if ((allowed.array() <= largest_patch_error * touches.array()).all()) return 0;
-
-  VectorX left;
-  potential.gradient(x, left);
-  for (Eigen::Index i = 0; i < left.size(); ++i) {
-    const double lost = rounding.size() == left.size() ? rounding[i] : 0;
-    left[i] = world.is_fixed[static_cast<std::size_t>(i)] != 0 ? 0 : std::max(0.0, std::abs(left[i]) - lost);
+    if (const Index patch = patch_of[static_cast<std::size_t>(node)]; patch >= 0) {
+      forces[patch] += touch.segment(node * dim, dim).squaredNorm();
+      part_of[static_cast<std::size_t>(patch)] = parts.of_node(node);
+    }
+  std::optional<VectorX> residuals;  // costs a gradient
+  double needed = tolerance;
+  for (Index patch = 0; patch < count; ++patch) {
+    const Index part = part_of[static_cast<std::size_t>(patch)];
+    const double left = largest_patch_error * std::sqrt(forces[patch]), wanted = left / scales[part];
+    if (wanted >= residual || wanted < smallest_tolerance) continue;
+    if (!residuals) {
+      VectorX gradient;
+      potential.gradient(x, gradient);
+      if (rounding.size() == gradient.size())
+        gradient = (gradient.cwiseAbs() - rounding).cwiseMax(0.0).eval();
+      residuals = parts.norms(gradient, world.is_fixed, Unknowns::free);
+    }
+    if ((*residuals)[part] > left) needed = std::min(needed, wanted);
   }
-  const VectorX residuals = sums_over_patches(left);
-  double worst = 0;
-  for (Index patch = 0; patch < count; ++patch)
-    if (allowed[patch] > largest_patch_error * touches[patch])
-      worst = std::max(worst, residuals[patch] / touches[patch]);
-  return worst;
+  return needed;
 }
 
 void settle_patches(const World& world, Potential& potential, const VectorX& targets,
@@ -93,10 +93,9 @@ void settle_patches(const World& world, Potential& potential, const VectorX& tar
                     const NewtonObserver& observer) {
   if (!searched.newton.converged() || settings.is_quadratic) return;
   const double residual = std::max(settings.tolerance, searched.friction_mismatch);
-  const double worst = worst_patch(world, potential, newton.parts(), x, residual, searched.newton.rounding);
-  if (worst <= largest_patch_error) return;
   NewtonSettings tighter = settings;
-  tighter.tolerance = std::max(smallest_tolerance, 0.3 * largest_patch_error / worst * settings.tolerance);
+  tighter.tolerance = tolerance_of_patches(world, potential, newton.parts(), x, settings.tolerance, residual,
+                                           searched.newton.rounding);
   if (!(tighter.tolerance < settings.tolerance)) return;
   VectorX closer = x;
   const StageReport again =
