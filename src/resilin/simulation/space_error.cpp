@@ -25,7 +25,8 @@ constexpr double saddle_tolerance = 0.1;     ///< the estimate is off by its squ
 /// The least share of the sizes of both changes that is told where they cancel. This and the next two were
 /// measured on random bars and blocks (docs/theory/discretisation.md).
 constexpr double least_share_left = 0.1;
-/// Of P2P0, cubic functions find less than all, and linear pressures more: they lack quadratic ones.
+/// Cubic functions find less than all of what P2P0 lacks, linear pressures more: no quadratic ones answer
+/// them.
 constexpr double whole_of_cubic = 1.1, whole_of_linear_pressures = 0.9;
 
 using Apply = std::function<bool(const VectorX& v, VectorX& image)>;
