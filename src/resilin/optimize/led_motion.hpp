@@ -30,6 +30,9 @@ class LedMotion {
                         VectorX& forces) const = 0;
   /// Whether what moves may be led on. No where gaps are so small that bodies have to give way first.
   virtual bool has_room(const VectorX& x) const = 0;
+  /// Bodies at x are in balance: where gaps are small there, the forces need them so, and it may be led on.
+  /// @return whether it may; not where gaps are near rounding
+  virtual bool find_room_in_balance(const VectorX& x) = 0;
   /// The energy at x is finite.
   virtual bool is_in_domain(const VectorX& x) const = 0;
 };

@@ -249,8 +249,8 @@ NewtonReport Newton::Search::run(const NewtonObserver& observer) {
     if (boundary_moves && !pushes) {
       giving_way = outcome == Outcome::moved ? std::max(giving_way - 1, 0) : 0;
       // Pushed on, bodies that cannot give way would lose what distance is left.
-      const bool is_stuck =
-          outcome == Outcome::balanced ? leads && !led->has_room(x) : outcome != Outcome::moved || is_late();
+      const bool is_stuck = outcome == Outcome::balanced ? leads && !led->find_room_in_balance(x)
+                                                         : outcome != Outcome::moved || is_late();
       if (leads && is_stuck) {
         led->leave_way();
         boundary_moves = gap.size() > 0;

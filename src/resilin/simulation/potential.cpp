@@ -17,8 +17,9 @@
 namespace resilin {
 namespace {
 
-/// Gap relative to the activation distance below which colliders wait for bodies to give way.
-constexpr double least_relative_gap = 1e-4;
+/// Part of a gap in balance, relative to the activation distance, below which colliders wait next; and the
+/// gap at which there is no room.
+constexpr double share_of_balanced_gap = 0.1, no_relative_gap = 1e-9;
 
 /// So often may terms disagree about how far they go, until they stay where they are.
 constexpr int most_rounds_of_delay = 50;
@@ -449,14 +450,23 @@ VectorX Potential::seen_from(const RigidPlace& own_way, const VectorX& x, const 
 
 // Steps that lead colliders are not judged by the energy: of each gap they may leave a tenth, one after the
 // other.
-bool Potential::has_room(const VectorX& x) const {
+double Potential::smallest_relative_gap(const VectorX& x) const {
   const VectorX end = end_of(x);
   Conditions at_end = conditions_;
   at_end.time += time_to_end_;
-  return share_.all(std::ranges::all_of(terms_, [&](const Energy* term) {
-    const FrictionSource* source = term->friction_source();
-    return source == nullptr || source->relative_gap(end, at_end) > least_relative_gap;
-  }));
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Energy* term : terms_)
+    if (const FrictionSource* source = term->friction_source())
+      smallest = std::min(smallest, source->relative_gap(end, at_end));
+  return share_.smallest(smallest);
+}
+
+// A force that is many times the stiffness of contact, as where bodies are thrown, needs a small gap.
+bool Potential::find_room_in_balance(const VectorX& x) {
+  const double gap = smallest_relative_gap(x);
+  if (!(gap > no_relative_gap)) return false;
+  least_relative_gap_ = std::min(least_relative_gap_, share_of_balanced_gap * gap);
+  return true;
 }
 
 void Potential::prepare_along(const VectorX& x, const VectorX& p, double way) {

@@ -107,7 +107,8 @@ class Potential final : public Objective, public LedMotion {
   double way_left() const override { return leads_colliders_ ? conditions_.delay : 0; }
   void set_way_left(double way) override { conditions_.delay = way; }
   void leave_way() override { leads_colliders_ = false; }
-  bool has_room(const VectorX& x) const override;
+  bool has_room(const VectorX& x) const override { return smallest_relative_gap(x) > least_relative_gap_; }
+  bool find_room_in_balance(const VectorX& x) override;
   void prepare_along(const VectorX& x, const VectorX& p, double way) override;
   double max_step_along(const VectorX& x, const VectorX& p, double way) const override;
   bool add_second_order_forces_along(const VectorX& x, const VectorX& p, double way,
@@ -123,6 +124,8 @@ class Potential final : public Objective, public LedMotion {
   std::optional<RigidPlace> own_way(const Energy& term, double way) const;
   /// The step p as a collider sees it that goes on by a rigid motion meanwhile.
   VectorX seen_from(const RigidPlace& own_way, const VectorX& x, const VectorX& p) const;
+  /// The smallest gap of contacts, relative to the activation distance.
+  double smallest_relative_gap(const VectorX& x) const;
   /// Where the stage ends: there colliders meet bodies.
   VectorX end_of(const VectorX& x) const;
 
@@ -132,6 +135,8 @@ class Potential final : public Objective, public LedMotion {
   Conditions conditions_;
   double time_to_end_, end_slope_;  ///< end of the stage, as Stage tells it
   bool leads_colliders_ = false;
+  /// Gap relative to the activation distance below which colliders wait for bodies to give way.
+  double least_relative_gap_ = 1e-4;
   int dim_ = 0;                               ///< dimension; known where it does
   VectorX base_positions_;                    ///< base positions of the stage; empty in statics
   std::vector<std::unique_ptr<Energy>> own_;  ///< made for this stage

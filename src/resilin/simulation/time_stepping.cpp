@@ -175,7 +175,7 @@ TimeStepper::Attempt TimeStepper::safe_attempt(const World& world, Newton& newto
 }
 
 // A step without a solution is one that bodies are thrown through too far, or whose friction pushes them from
-// one side of a corner to the other: shorter ones have one.
+// one side of a corner to the other: shorter ones have one. So may steps in which a collider falls behind.
 StepReport TimeStepper::step(const World& world, Newton& newton, State& state, VectorX& gradient,
                              const NewtonObserver& observer) const {
   if (world.adaptive) return adaptive_step(world, *world.adaptive, newton, state, gradient, observer);
@@ -187,13 +187,17 @@ StepReport TimeStepper::step(const World& world, Newton& newton, State& state, V
   State next;
   StepReport report =
       step_in_parts(world, newton, state, next, gradient, dt, num_parts, WhenLost::go_on, observer);
-  for (int halving = 1; halving <= most_halvings_of_step && is_lost(world, report); ++halving) {
+  const bool may_be_cut_short = world.newton.max_iterations < NewtonOptions{}.max_iterations;
+  bool is_in_vain =
+      is_lost(world, report) || (!may_be_cut_short && state.collider_delay == 0 && next.collider_delay > 0);
+  for (int halving = 1; halving <= most_halvings_of_step && is_in_vain; ++halving) {
     State divided;
     VectorX gradient_of_last;
     StepReport shorter = step_in_parts(world, newton, state, divided, gradient_of_last, dt,
                                        num_parts << halving, WhenLost::stop, observer);
     if (shorter.status == StepReport::Status::interrupted) return shorter;
-    if (is_lost(world, shorter)) {
+    is_in_vain = divided.step != state.step + 1;  // it stopped
+    if (is_in_vain) {
       add_counts(report.newton, shorter.newton);
     } else {
       add_counts(shorter.newton, report.newton);
@@ -229,7 +233,8 @@ StepReport TimeStepper::step_in_parts(const World& world, Newton& newton, const 
       report.status = found.report.status;
       report.reason = found.report.reason;
     }
-    if (found.is_interrupted() || (when_lost == WhenLost::stop && is_lost(world, report))) return report;
+    const bool is_in_vain = is_lost(world, report) || found.collider_delay > 0;
+    if (found.is_interrupted() || (when_lost == WhenLost::stop && is_in_vain)) return report;
     report.stage_places = std::move(found.report.stage_places);
     gradient = std::move(found.gradient);
     std::move(found).move(world, now, length, start.time + part * length);
