@@ -58,7 +58,7 @@ def test_force_and_stress_relax_to_those_of_the_long_term_moduli():
     [
         ({"g": [0.5, 0.6]}, r"viscoelastic\.g: expected shares that sum to less than 1"),
         ({"tau": [0.5, -1]}, r"viscoelastic\.tau\[1\]: expected a relaxation time > 0 s, got -1"),
-        ({"tau": [0.5]}, r"viscoelastic\.tau: expected 2 relaxation times, one for each share in g, got 1"),
+        ({"tau": [0.5]}, r"viscoelastic\.tau: expected 2 relaxation times, one for each share, got 1"),
         ({"moduli": "relaxed"}, r"viscoelastic\.moduli: expected"),
         ({"g": 0.5}, r"viscoelastic\.g: expected"),
     ],

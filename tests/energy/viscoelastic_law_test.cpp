@@ -20,7 +20,7 @@ TEST(IsochoricSplit, OfEveryLawWithABulkModulusIsScaledByItsOtherModuli) {
     const auto fibres = fibres_for(*law, {Vector3(1, 1, 0).normalized(), Vector3(1, -1, 0).normalized()});
     const Material material{law, law->constants_from(hooke), {fibres.begin(), fibres.end()}};
     Material scaled = material;
-    const std::vector<double> factors = relaxing_factors(*law, ViscoelasticForm::simo, 0.37);
+    const std::vector<double> factors = relaxing_factors(*law, ViscoelasticForm::simo, {.shape = 0.37});
     for (std::size_t k = 0; k < factors.size(); ++k) scaled.constants[k] *= factors[k];
     Matrix<3> F;
     F << 1.2, 0.1, -0.05, 0.02, 0.9, 0.15, 0.1, -0.03, 1.05;

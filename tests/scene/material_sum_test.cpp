@@ -83,10 +83,18 @@ TEST(MaterialOfASum, IsTheLawOfWhichItHasTheHalves) {
   const std::string whole =
       "body.0.material={ law = \"neo_hookean_simo\", shear_modulus = 2e5, bulk_modulus = 2e6, density = 1000 "
       "}";
+  const std::string series = "body.0.material.viscoelastic={ g = [0.3], k = [0.2], tau = [0.5] }";
   for (const char* element : {"P1", "P2", "P2P0"}) {
     const std::string chosen = "body.0.element=\"" + std::string(element) + "\"";
-    const Vector3 expected = tip_of({chosen, whole}), tip = tip_of({chosen, with_sum(half + ", " + half)});
-    EXPECT_LT((tip - expected).norm(), 1e-9 * expected.norm()) << element;
+    Vector3 elastic = Vector3::Zero();
+    for (const bool relaxes : {false, true}) {
+      std::vector<std::string> one = {chosen, whole}, two = {chosen, with_sum(half + ", " + half)};
+      if (relaxes) one.push_back(series), two.push_back(series);
+      const Vector3 expected = tip_of(one), tip = tip_of(two);
+      EXPECT_LT((tip - expected).norm(), 1e-9 * expected.norm()) << element << relaxes;
+      if (relaxes) EXPECT_GT((tip - elastic).norm(), 0.01 * elastic.norm());
+      elastic = tip;
+    }
   }
 }
 

@@ -55,9 +55,12 @@ TEST(SceneFile, ListsBranchesOfAPronySeriesOneByOne) {
   EXPECT_EQ(read.g, (std::vector<double>{0.3, 0.2}));
   EXPECT_EQ(read.tau, (std::vector<double>{0.1, 1}));
   EXPECT_THAT(input_error([&] { read_text(with(branches + ", g = [0.3]")); }),
-              HasSubstr("either branches or the lists g and tau"));
-  EXPECT_THAT(input_error([&] { read_text(with("branches = [{ g = 0.3, k = 0.1, tau = 1 }]")); }),
-              HasSubstr("the bulk modulus does not relax"));
+              HasSubstr("either branches or the lists g, k and tau"));
+  EXPECT_TRUE(read.k.empty());
+  const Description bulk =
+      read_text(with("branches = [{ g = 0.3, tau = 1 }, { k = 0.1, tau = 2 }]")).description;
+  EXPECT_EQ(bulk.bodies[0].material.viscoelastic->g, (std::vector<double>{0.3, 0}));
+  EXPECT_EQ(bulk.bodies[0].material.viscoelastic->k, (std::vector<double>{0, 0.1}));
 }
 
 TEST(SceneFile, MayBeginWithAByteOrderMark) {

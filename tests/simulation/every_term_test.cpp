@@ -188,7 +188,7 @@ struct TermCase {
   int dimension;
   std::string element;
   std::string term;
-  bool is_viscoelastic = false;
+  enum class Memory { none, viscoelastic, softened } memory = Memory::none;
 };
 
 void PrintTo(const TermCase& c, std::ostream* out) {
@@ -197,11 +197,15 @@ void PrintTo(const TermCase& c, std::ostream* out) {
 
 World world_of(const TermCase& c) {
   Description scene = crowded_scene(c.dimension, c.element);
-  if (c.is_viscoelastic)
+  if (c.memory != TermCase::Memory::none)
     for (BodyDescription& body : scene.bodies) {
       if (body.rigid) continue;
       body.material.law = "neo_hookean_simo";
-      body.material.viscoelastic = {.g = {0.4, 0.3}, .tau = {0.005, 1}};
+      if (c.memory == TermCase::Memory::softened) {
+        body.material.mullins = {.r = 1.5, .beta = 0.5};
+        continue;
+      }
+      body.material.viscoelastic = {.g = {0.4, 0.3}, .k = {0, 0.2}, .tau = {0.005, 1}};
     }
   return World(scene);
 }
@@ -222,13 +226,16 @@ std::vector<TermCase> all_cases() {
     for (const char* term : {"elastic", "viscous damping"})
       if (element->name != "P1") cases.push_back({element->dim, std::string(element->name), term});
   for (const ElementInfo* element : elements())
-    cases.push_back({element->dim, std::string(element->name), "elastic", true});
+    for (const auto memory : {TermCase::Memory::viscoelastic, TermCase::Memory::softened})
+      cases.push_back({element->dim, std::string(element->name), "elastic", memory});
   return cases;
 }
 
 std::string name_of(const ::testing::TestParamInfo<TermCase>& info) {
-  return as_test_name((info.param.is_viscoelastic ? "viscoelastic" : info.param.term) + "_" +
-                      info.param.element + "_" + std::to_string(info.param.dimension) + "d");
+  return as_test_name((info.param.memory == TermCase::Memory::none       ? info.param.term
+                       : info.param.memory == TermCase::Memory::softened ? "softened"
+                                                                         : "viscoelastic") +
+                      "_" + info.param.element + "_" + std::to_string(info.param.dimension) + "d");
 }
 
 VectorX random_vector(Eigen::Index size, double amount, unsigned seed) {

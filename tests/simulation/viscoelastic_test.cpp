@@ -271,6 +271,133 @@ INSTANTIATE_TEST_SUITE_P(Laws, ViscoelasticReference,
                            return std::get<0>(of.param) + "_" + std::string(spelling(std::get<1>(of.param)));
                          });
 
+struct BulkRelaxation : ::testing::TestWithParam<ViscoelasticForm> {
+  /// The cube, or a cylinder of radius and length 1 m.
+  static Description body(const std::string& element, bool is_ring) {
+    const nlohmann::json reference = read_reference("viscoelastic_bulk");
+    Description scene = reference_cube("nh_iso_j1", 2, 20);
+    BodyDescription& cube = scene.bodies[0];
+    cube.material = reference_rubber("nh_iso_j1", reference["constants"]);
+    cube.material.viscoelastic = prony(reference["g"], reference["tau"]);
+    cube.material.viscoelastic->k = reference["k"].get<std::vector<double>>();
+    cube.material.viscoelastic->formulation = GetParam();
+    cube.element = is_ring ? axisymmetric_name(element) : element;
+    if (is_ring) {
+      scene.dimension = 2;
+      cube.mesh =
+          element[0] == 'Q' ? make_quadrilateral_rectangle({1, 1}, {2, 2}) : make_rectangle({1, 1}, {2, 2});
+      scene.fixes = {fix("held", plane(1, 0))};
+      scene.fixes[0].components = {false, true, false};
+      scene.probes = {probe("corner", {1, 1, 0})};
+    } else if (element[0] == 'P') {
+      cube.mesh = make_box({1, 1, 1}, {1, 1, 1});
+    }
+    return scene;
+  }
+};
+
+TEST_P(BulkRelaxation, StepsAreThoseOfTheUpdateRule) {
+  const nlohmann::json rows =
+      read_reference("viscoelastic_bulk")["results"][std::string(spelling(GetParam()))];
+  for (const std::string element : {"P1", "P2", "P2P0", "Q1", "Q1P0"})
+    for (const bool is_ring : {false, true}) {
+      SCOPED_TRACE(element + (is_ring ? ", axisymmetric" : ""));
+      Description scene = body(element, is_ring);
+      const int along = is_ring ? 1 : 0, across = 1 - along;
+      FixDescription face = fix("pulled", plane(along, 1));
+      face.components = {!is_ring, is_ring, false};
+      face.displacement[along] = 0.8;
+      face.time_function = table({0, 1, 2}, {0, 1, 1});
+      scene.fixes.push_back(face);
+      Simulation simulation(scene);
+      for (const auto& row : rows) {
+        step_to(simulation, row["t"]);
+        const Vector3 displacement = simulation.frame().probes[0].displacement;
+        EXPECT_NEAR(1 + displacement[across], row["lateral_stretch"].get<double>(), 1e-9);
+        const double force = (is_ring ? std::numbers::pi : 1) * row["P11"].get<double>();
+        EXPECT_NEAR(reaction(simulation.frame(), "pulled", along), force, 1e-9 * force);
+      }
+    }
+}
+
+/// A cube that has grown at once by a tenth in all directions and stays so: its Cauchy pressure falls as
+/// k(t).
+TEST_P(BulkRelaxation, PressureOfAHeldVolumeFollowsTheSeries) {
+  Description scene = body("Q1", false);
+  scene.fixes = {fix("all", Where())};
+  scene.fixes[0].gradient = 0.1 * Matrix<3>::Identity();
+  scene.fixes[0].time_function = table({0}, {1});
+  for (const Vector3& X : scene.bodies[0].mesh.vertices)
+    for (const double x : {X.x(), X.y(), X.z()}) scene.bodies[0].initial_positions.push_back(1.1 * x);
+  Simulation simulation(scene);
+  const std::vector<std::string> names = {"cauchy_stress"};
+  for (const double time : {0.1, 0.5, 2.0}) {
+    step_to(simulation, time);
+    const std::vector<double> stress =
+        FieldEvaluator(simulation.world()).evaluate(simulation.state(), names).front().values;
+    const double k = 0.7 + 0.2 * std::exp(-time / 0.1) + 0.1 * std::exp(-time / 2);
+    const double pressure = k * 2e6 * (std::pow(1.1, 3) - 1);
+    for (const std::size_t i : {0U, 4U, 8U}) EXPECT_NEAR(stress[i], pressure, 1e-12 * pressure);
+    EXPECT_NEAR(stress[1], 0, 1e-12 * pressure);
+  }
+}
+
+/// Where both moduli relax alike, small strains are those of the formulation in which all of the stress does.
+TEST_P(BulkRelaxation, OfEqualSharesIsThatOfTheWholeStressAtSmallStrain) {
+  const auto force = [](ViscoelasticForm form) {
+    Description scene = body("Q1", false);
+    ViscoelasticDescription& viscoelastic = *scene.bodies[0].material.viscoelastic;
+    viscoelastic.formulation = form;
+    if (form == ViscoelasticForm::whole)
+      viscoelastic.k.clear();
+    else
+      viscoelastic.k = viscoelastic.g;
+    pull(scene, 1e-6, table({0, 1, 2}, {0, 1, 1}));
+    return reaction(converged_end_of(scene).frame(), "pulled", 0);
+  };
+  const double whole = force(ViscoelasticForm::whole);
+  EXPECT_NEAR(force(GetParam()), whole, 1e-5 * whole);
+}
+
+/// Work against the pressure of the branches joins the heat: a slow cycle of volume loses none, one as fast
+/// as the branches does, and the sum of the energies is the work of the reaction.
+TEST_P(BulkRelaxation, WorkIsStoredOrLost) {
+  Description scene = body("Q1P0", false);
+  scene.fixes.clear();
+  FixDescription all = fix("all", Where());
+  all.gradient = 0.03 * Matrix<3>::Identity();
+  all.time_function = {TimeFunction::Sine{.frequency = 1, .amplitude = 1, .phase = -90, .offset = 1}};
+  scene.fixes.push_back(all);
+  scene.end_time = 1;
+  scene.load_steps = 400;
+  const Frame frame = converged_end_of(scene).frame();
+  // One cycle of J from 1 to 1.06^3 and back, by the update rule at 400 points.
+  double work = 0, J_n = 1, q_n = 0;
+  std::vector<double> y(2, 0.0);
+  double Y_n = 0;
+  const std::vector<double> k = {0.2, 0.1}, tau = {0.1, 2};
+  for (int i = 1; i <= 400; ++i) {
+    const double stretch = 1 + 0.03 * (1 - std::cos(2 * std::numbers::pi * i / 400)),
+                 J = std::pow(stretch, 3), Y = J * 2e6 * (J - 1);
+    double q = 0.7 * Y;
+    for (std::size_t b = 0; b < 2; ++b) {
+      const double r = 1.0 / 400 / tau[b];
+      y[b] = std::exp(-r) * y[b] - std::expm1(-r) / r * (Y - Y_n);
+      q += k[b] * y[b];
+    }
+    work += 0.5 * (q / J + q_n / J_n) * (J - J_n);
+    J_n = J;
+    q_n = q;
+    Y_n = Y;
+  }
+  EXPECT_GT(frame.dissipated_energy, 0);
+  EXPECT_NEAR(frame.dissipated_energy + frame.elastic_energy, work, 1e-4 * work);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formulations, BulkRelaxation,
+                         ::testing::Values(ViscoelasticForm::simo, ViscoelasticForm::iso),
+                         [](const auto& of) { return std::string(spelling(of.param)); });
+
 TEST(ViscoelasticStrip, CreepsAndComesBackAsInAnotherCode) {
   const nlohmann::json reference = read_reference("visco_strip");
   for (const auto& row : reference["rows"]) {
@@ -376,6 +503,9 @@ Description creeping_bar(int dimension, bool is_dynamic, const std::string& elem
 
 TEST(Viscoelasticity, GoesOnFromACheckpointInTheSameBits) {
   expect_same_bits_after_a_checkpoint(creeping_bar(2, false), 4);
+  Description bulk = creeping_bar(2, false, "P2P0");
+  bulk.bodies[0].material.viscoelastic->k = {0, 0.2, 0.1};
+  expect_same_bits_after_a_checkpoint(bulk, 4);
   expect_same_bits_after_a_checkpoint(relaxing_bushing(true, ViscoelasticForm::simo), 4);
   for (const std::string& integrator : integrator_names()) {
     Description scene = creeping_bar(3, true);
@@ -445,9 +575,12 @@ TEST(Viscoelasticity, OfLongTermModuliIsTheSameMaterial) {
   Description scene = creeping_bar(2, false, "P2P0");
   scene.bodies[0].material.constants = {{"shear_modulus", 4e4}, {"bulk_modulus", 2e6}};
   scene.bodies[0].material.viscoelastic = prony({0.3, 0.3}, {0.01, 1});
+  scene.bodies[0].material.viscoelastic->k = {0, 0.2};
   const Simulation instantaneous = converged_end_of(scene);
   scene.bodies[0].material.constants["shear_modulus"] = 0.4 * 4e4;
+  scene.bodies[0].material.constants["bulk_modulus"] = 0.8 * 2e6;
   scene.bodies[0].material.viscoelastic = prony({0.75, 0.75}, {0.01, 1});
+  scene.bodies[0].material.viscoelastic->k = {0, 0.25};
   scene.bodies[0].material.viscoelastic->moduli = Moduli::long_term;
   const Simulation long_term = converged_end_of(scene);
   EXPECT_NEAR(long_term.frame().probes[0].displacement.y(), instantaneous.frame().probes[0].displacement.y(),
@@ -513,6 +646,16 @@ TEST(Viscoelasticity, OfBadInputIsRefusedInOneLine) {
   EXPECT_THAT(refusal_of(with(prony({0.5}, {1, 2}))),
               HasSubstr("viscoelastic.tau: expected 1 relaxation time"));
   EXPECT_THAT(refusal_of(with(prony({}, {}))), HasSubstr("viscoelastic.g: expected a share"));
+  ViscoelasticDescription both = prony({0.5}, {1});
+  both.k = {0.5, 0.2};
+  EXPECT_THAT(refusal_of(with(both)), HasSubstr("viscoelastic.g: expected 2 shares, one for each branch"));
+  both.k = {1};
+  EXPECT_THAT(refusal_of(with(both)), HasSubstr("viscoelastic.k: expected shares that sum"));
+  both.k = {-0.1};
+  EXPECT_THAT(refusal_of(with(both)), HasSubstr("viscoelastic.k[0]: expected a number >= 0"));
+  both.k = {0.1};
+  both.formulation = ViscoelasticForm::whole;
+  EXPECT_THAT(refusal_of(with(both)), HasSubstr("viscoelastic.k: expected none"));
   Description scene = creeping_bar(2, false);
   scene.bodies[0].material.law = "neo_hookean";
   EXPECT_THAT(refusal_of(scene), HasSubstr("expected a law with an isochoric-volumetric split"));

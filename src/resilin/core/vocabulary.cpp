@@ -95,6 +95,7 @@ constexpr std::array rows = {
     Row{"skin", "surface embedded_surface visual visual_mesh render_mesh"},
     Row{"viscoelastic", "viscoelastic visco viscoelasticity prony prony_series maxwell relaxation",
         "body.material.viscoelastic"},
+    Row{"mullins", "mullins mullins_effect ogden_roxburgh softening", "body.material.mullins"},
     Row{"g", "g_i gi g_i_prony coefficients shares ratios"},
     Row{"tau", "tau_i taui t times relaxation_time relaxation_times"},
     Row{"fibres", "fibers fibre fiber fibre_directions fiber_directions"},

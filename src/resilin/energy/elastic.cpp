@@ -95,6 +95,25 @@ ElasticEnergy ElasticEnergy::with_scaled_constants(std::span<const double> facto
   return scaled;
 }
 
+ElasticEnergy ElasticEnergy::with_softening(const Softening& softening, std::span<const double> most,
+                                            const ElasticEnergy& isochoric) const {
+  const ElementBlocks& blocks = tiles_.blocks;
+  const auto softened = std::make_shared<ElasticTiles::Softened>();
+  softened->law = softening;
+  softened->constants = isochoric.tiles_.constants;
+  softened->most.assign(blocks.cells.size() * blocks.num_points, 0.0);
+  for (std::size_t i = 0; i < blocks.cells.size(); ++i) {
+    if (blocks.cells[i] < 0) continue;
+    const std::size_t block = i / block_size, lane = i % block_size;
+    for (std::size_t q = 0; q < blocks.num_points; ++q)
+      softened->most[(block * blocks.num_points + q) * block_size + lane] =
+          most[place(static_cast<std::size_t>(blocks.cells[i]), q)];
+  }
+  ElasticEnergy copy = *this;
+  copy.tiles_.softened = softened;
+  return copy;
+}
+
 void ElasticEnergy::set_directions(const FibreDirections& fibres) {
   const ElementBlocks& blocks = tiles_.blocks;
   const auto num_cells = static_cast<std::size_t>(blocks.num_cells);

@@ -54,6 +54,12 @@ class ElasticEnergy final : public BasicEnergy, public CellTerm {
   /// A copy whose constants are these times `factors`, one for each constant of the law.
   ElasticEnergy with_scaled_constants(std::span<const double> factors) const;
 
+  /// A copy whose isochoric energy is softened by the largest that it has had (energy/softening.hpp).
+  /// @param most       largest isochoric energy by quadrature point [J/m^3], as `energy_densities` has them
+  /// @param isochoric  the same body without its volume energy
+  ElasticEnergy with_softening(const Softening& softening, std::span<const double> most,
+                               const ElasticEnergy& isochoric) const;
+
   std::string_view name() const override { return "elastic"; }
   EnergyProperties properties() const override {
     return {.category = EnergyCategory::elastic,

@@ -59,7 +59,7 @@ ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
   const ElementBlocks& elements = tiles.blocks;
   const std::size_t entries = tiles.blocks_per_tile() * elements.num_points;
   const auto n = static_cast<std::size_t>(state_dim(elements) * state_dim(elements));
-  const std::size_t mean_rows = tiles.has_mean_volume() ? 1 : 0;
+  const std::size_t mean_rows = tiles.has_mean_volume() ? 1 : 0, softened_rows = tiles.softened ? 1 : 0;
   const std::size_t K_rows =
       tiles.blocks_per_tile() * static_cast<std::size_t>(elements.num_pairs() * elements.dim * elements.dim);
   struct Part {
@@ -84,6 +84,8 @@ ElasticTiles::Scratch::Scratch(const ElasticTiles& tiles) {
                         {&mean_j, mean_rows * entries},
                         {&mean_volume, mean_rows * entries * 3},
                         {&mean, mean_rows * entries},
+                        {&isochoric_energy, softened_rows * entries},
+                        {&isochoric, softened_rows * entries * max_curvature_rows},
                         {&part_energy, tiles.is_sum() ? entries : 0},
                         {&part_stress, tiles.is_sum() ? entries * n : 0},
                         {&part_tangent, tiles.is_sum() ? entries * n * n : 0},
@@ -200,6 +202,61 @@ LawBatch ElasticTiles::law_batch(const Tile& tile, const Part& part, const doubl
   return {count, variables, scratch.constants, rows, results};
 }
 
+void ElasticTiles::isochoric_energies(const Tile& tile, const Part& part, Scratch& scratch) const {
+  LawBatch batch = law_batch(tile, part, scratch.variables, true, scratch, scratch.isochoric_energy);
+  batch.constants = isochoric_constants(tile, scratch);
+  part.kernels->energy(batch);
+}
+
+/// As `law_batch` has the constants of the law for the entries of a tile.
+const double* ElasticTiles::isochoric_constants(const Tile& tile, Scratch& scratch) const {
+  if (constant_stride == 0) return softened->constants.data();
+  for (std::size_t i = 0; i < num_entries(tile); ++i)
+    std::copy_n(softened->constants.data() +
+                    static_cast<std::size_t>(tile.blocks[i / blocks.num_points]) * constant_stride,
+                constant_stride, scratch.constants + i * constant_stride);
+  return scratch.constants;
+}
+
+double ElasticTiles::most_energy(const Tile& tile, std::size_t entry, std::size_t lane) const {
+  const auto block = static_cast<std::size_t>(tile.blocks[entry / blocks.num_points]);
+  return softened->most[(block * blocks.num_points + entry % blocks.num_points) * block_size + lane];
+}
+
+void ElasticTiles::soften_energies(const Tile& tile, const Part& part, Scratch& scratch, double* psi) const {
+  isochoric_energies(tile, part, scratch);
+  for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
+    const double W = scratch.isochoric_energy[i], most = most_energy(tile, i / block_size, i % block_size);
+    if (std::isfinite(W) && most > 0) psi[i] += softened->law.energy(W, most) - W;
+  }
+}
+
+/// With phi(W) in place of W: phi' = eta, and phi'' = d eta/dW times the product of two slopes of W.
+void ElasticTiles::soften_slopes(void (*kernel)(const LawBatch&), const Tile& tile, const Part& part,
+                                 Scratch& scratch) const {
+  const bool has_curvature = kernel == part.kernels->curvature;
+  const LawKind kind = part.law->kind;
+  const auto slopes = static_cast<std::size_t>(num_slopes(kind));
+  const std::size_t rows = has_curvature ? static_cast<std::size_t>(num_curvature_rows(kind)) : slopes;
+  isochoric_energies(tile, part, scratch);
+  LawBatch batch = law_batch(tile, part, scratch.variables, true, scratch, scratch.isochoric);
+  batch.constants = isochoric_constants(tile, scratch);
+  kernel(batch);
+  for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
+    const std::size_t entry = i / block_size, lane = i % block_size;
+    const double W = scratch.isochoric_energy[i], most = most_energy(tile, entry, lane);
+    if (!(W < most)) continue;
+    const double loss = softened->law.factor(W, most) - 1, bend = softened->law.factor_slope(W, most);
+    double* out = scratch.law + entry * rows * block_size + lane;
+    const double* of_W = scratch.isochoric + entry * rows * block_size + lane;
+    for (std::size_t row = 0; row < rows; ++row) out[row * block_size] += loss * of_W[row * block_size];
+    if (!has_curvature) continue;
+    for (std::size_t a = 0, row = slopes; a < slopes; ++a)
+      for (std::size_t b = a; b < slopes; ++b, ++row)
+        out[row * block_size] += bend * of_W[a * block_size] * of_W[b * block_size];
+  }
+}
+
 /// The volume energy and its derivatives at the entries (scratch.volume) and at the means of the cells
 /// (scratch.mean_volume).
 void ElasticTiles::call_volume(const Tile& tile, const Part& part, Scratch& scratch) const {
@@ -252,6 +309,7 @@ void ElasticTiles::energies_of(const Part& part, const Tile& tile, const double*
                                double* psi) const {
   measure(tile, part, u, false, scratch);
   call_law(part.kernels->energy, tile, part, scratch.variables, true, scratch, psi);
+  if (softened) soften_energies(tile, part, scratch, psi);
   if (!has_mean_volume_) return;
   call_volume(tile, part, scratch);
   for (std::size_t i = 0; i < num_entries(tile) * block_size; ++i) {
@@ -323,6 +381,7 @@ void ElasticTiles::add_forces_of(const Part& part, const Tile& tile, const doubl
                                  const OwnedNodes& owned, Scratch& scratch, double* forces) const {
   measure(tile, part, u, true, scratch);
   call_law(part.kernels->gradient, tile, part, scratch.variables, true, scratch, scratch.law);
+  if (softened) soften_slopes(part.kernels->gradient, tile, part, scratch);
   if (quadrature_kernels_ == nullptr) {
     simplex_kernels_->add_forces(simplex_tile(tile, part, scratch), part.form(), scratch.H, scratch.frames,
                                  scratch.law, is_magnitude, owned, forces);
@@ -346,6 +405,7 @@ void ElasticTiles::hessians_of(const Part& part, const Tile& tile, const double*
                                const double* pressures, Scratch& scratch, double* K) const {
   measure(tile, part, u, true, scratch);
   call_law(part.kernels->curvature, tile, part, scratch.variables, true, scratch, scratch.law);
+  if (softened) soften_slopes(part.kernels->curvature, tile, part, scratch);
   const double removed = removed_part(projection);
   if (quadrature_kernels_ == nullptr) {
     simplex_kernels_->hessians(simplex_tile(tile, part, scratch), {part.form(), removed}, scratch.H,

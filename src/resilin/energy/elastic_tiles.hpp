@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "resilin/energy/kernels/element_blocks.hpp"
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
+#include "resilin/energy/softening.hpp"
 #include "resilin/material/kernels/law_kernels.hpp"
 #include "resilin/material/kernels/point_kernels.hpp"
 #include "resilin/material/law.hpp"
@@ -93,6 +95,13 @@ class ElasticTiles {
   const LawInfo* law;
   std::vector<double> constants;    ///< rows of lanes: one set, or one for each block
   std::size_t constant_stride = 0;  ///< numbers from block to block in `constants`; 0 when there is one set
+  /// Mullins softening of the isochoric energy, in energies, forces and Hessians. Not of a sum.
+  struct Softened {
+    Softening law;
+    std::vector<double> constants;  ///< as those of the law, without its volume energy
+    std::vector<double> most;       ///< largest isochoric energy, [block][point][lane]
+  };
+  std::shared_ptr<const Softened> softened;  ///< null: none
   /// Directions of the fibres of one part of the law after another that has some:
   /// [part][block][fibre_rows][lane]; empty without. Zero where there is no such family.
   std::vector<double> directions;
@@ -123,6 +132,14 @@ class ElasticTiles {
                Scratch& scratch) const;
   LawBatch law_batch(const Tile& tile, const Part& part, const double* variables, bool is_per_entry,
                      Scratch& scratch, double* results) const;
+  /// The isochoric energy W of each entry into scratch.isochoric_energy.
+  void isochoric_energies(const Tile& tile, const Part& part, Scratch& scratch) const;
+  const double* isochoric_constants(const Tile& tile, Scratch& scratch) const;
+  double most_energy(const Tile& tile, std::size_t entry, std::size_t lane) const;
+  void soften_energies(const Tile& tile, const Part& part, Scratch& scratch, double* psi) const;
+  /// Softens the rows of the law's gradient or curvature.
+  void soften_slopes(void (*kernel)(const LawBatch&), const Tile& tile, const Part& part,
+                     Scratch& scratch) const;
   void call_law(void (*kernel)(const LawBatch&), const Tile& tile, const Part& part, const double* variables,
                 bool is_per_entry, Scratch& scratch, double* results) const {
     kernel(law_batch(tile, part, variables, is_per_entry, scratch, results));
@@ -159,6 +176,7 @@ class ElasticTiles::Scratch {
   double *H, *G, *variables, *frames, *law, *constants, *directions, *energy, *energy_from;
   double *stress, *tangent;
   double *j, *volume, *mean_j, *mean_volume, *mean;           ///< scratch of elements with a mean volume
+  double *isochoric_energy, *isochoric;                       ///< scratch of softened bodies
   double *part_energy, *part_stress, *part_tangent, *part_K;  ///< addends: further parts of a sum
   double* K;
 

@@ -15,6 +15,7 @@
 #include "resilin/energy/kernels/overstress_kernels.hpp"
 #include "resilin/energy/tile_sum.hpp"
 #include "resilin/material/kernels/point_kernels.hpp"
+#include "resilin/material/law_sum.hpp"
 
 namespace resilin {
 namespace {
@@ -64,6 +65,27 @@ double nominal_work(ViscoelasticForm form, const Matrix<3>& F, const Matrix<3>& 
          (cube_root * cube_root);
 }
 
+/// P:D of the nominal stress P = q F^-T.
+double pressure_work(double q, const Matrix<3>& F, const Matrix<3>& D) {
+  const Matrix<3> cofactors = cofactor(F);
+  return q / F.row(0).dot(cofactors.row(0)) * cofactors.cwiseProduct(D).sum();
+}
+
+bool relaxes_pressure(const std::vector<PronyBranch>& branches) {
+  return std::ranges::any_of(branches, [](const PronyBranch& branch) { return branch.volume_share > 0; });
+}
+
+/// Internal variables of a quadrature point: X, the h_i; where the pressure relaxes Y and its branches.
+Eigen::Index history_values_per_point(const std::vector<PronyBranch>& branches) {
+  return (symmetric_size + (relaxes_pressure(branches) ? 1 : 0)) *
+         (1 + static_cast<Eigen::Index>(branches.size()));
+}
+
+/// Place of Y in the internal variables of a point.
+Eigen::Index place_of_pressure(const std::vector<PronyBranch>& branches) {
+  return symmetric_size * (1 + static_cast<Eigen::Index>(branches.size()));
+}
+
 /// c: what is left of an increment that came evenly in this time.
 double mean_decay(const PronyBranch& branch, double duration) {
   const double r = duration / branch.time;
@@ -82,14 +104,15 @@ struct Decays {
   }
 };
 
-/// The part s C:H / 2 of a stage's energy.
+/// The part s C:H / 2 + q ln J of a stage's energy.
 class Overstress {
  public:
-  /// @param rows  H by row of lanes: [block][point][symmetric_size][lane]
-  Overstress(const ElasticEnergy& body, ViscoelasticForm form, std::vector<double> rows)
+  /// @param rows  H and q by row of lanes: see OverstressRows
+  Overstress(const ElasticEnergy& body, ViscoelasticForm form, bool has_pressure, std::vector<double> rows)
       : body_(body),
         rows_(std::move(rows)),
         is_isochoric_(form == ViscoelasticForm::simo),
+        has_pressure_(has_pressure),
         kernels_(
             is_axisymmetric(body.tiles().blocks)
                 ? axisymmetric_overstress_kernels(body.element().num_nodes, body.instruction_set())
@@ -125,7 +148,7 @@ class Overstress {
   }
 
  private:
-  OverstressRows overstress() const { return {rows_.data(), is_isochoric_}; }
+  OverstressRows overstress() const { return {rows_.data(), is_isochoric_, has_pressure_}; }
 
   template <class Add>
   double sum(const Add& add) const {
@@ -138,7 +161,7 @@ class Overstress {
 
   const ElasticEnergy& body_;
   std::vector<double> rows_;
-  bool is_isochoric_;
+  bool is_isochoric_, has_pressure_;
   const OverstressKernels& kernels_;
   std::vector<Index> all_blocks_;
 };
@@ -160,11 +183,12 @@ class OverstressMatrices final : public CellMatrices {
   Projection projection_;
 };
 
-/// H of a stage that begins with `history`, by row of lanes: [block][point][symmetric_size][lane].
+/// H and q of a stage that begins with `history`, by row of lanes: see OverstressRows.
 std::vector<double> overstress_rows(const ElementBlocks& blocks, const std::vector<PronyBranch>& branches,
                                     const VectorX& history, double elapsed) {
-  const auto rows_per_entry = static_cast<std::size_t>(symmetric_size) * block_size;
-  const auto values_per_point = symmetric_size * static_cast<Eigen::Index>(1 + branches.size());
+  const bool has_pressure = relaxes_pressure(branches);
+  const std::size_t rows_per_entry = OverstressRows{nullptr, true, has_pressure}.size() * block_size;
+  const Eigen::Index values_per_point = history_values_per_point(branches);
   const Decays decays(branches, elapsed);
   std::vector<double> rows(blocks.num_blocks * blocks.num_points * rows_per_entry, 0.0);
   parallel_for(blocks.num_blocks, blocks_per_chunk, [&](std::size_t begin, std::size_t end) {
@@ -183,6 +207,12 @@ std::vector<double> overstress_rows(const ElementBlocks& blocks, const std::vect
         double* entry = rows.data() + ((i / block_size) * blocks.num_points + q) * rows_per_entry;
         for (std::size_t k = 0; k < tensor_places.size(); ++k)
           entry[k * block_size + i % block_size] = H[static_cast<Eigen::Index>(k)];
+        if (!has_pressure) continue;
+        const auto pressures = values.tail(static_cast<Eigen::Index>(1 + branches.size()));
+        double& pull = entry[symmetric_size * block_size + i % block_size];
+        for (std::size_t k = 0; k < branches.size(); ++k)
+          pull += branches[k].volume_share * (decays.whole[k] * pressures[static_cast<Eigen::Index>(k + 1)] -
+                                              decays.mean[k] * pressures[0]);
       }
     }
   });
@@ -258,7 +288,8 @@ class StageViscoelastic final : public BasicEnergy, public CellTerm {
   const Overstress& overstress() const {
     std::call_once(is_made_, [this] {
       overstress_ = std::make_unique<const Overstress>(
-          *elastic_, form_, overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
+          *elastic_, form_, relaxes_pressure(branches_),
+          overstress_rows(elastic_->tiles().blocks, branches_, history_, elapsed_));
     });
     return *overstress_;
   }
@@ -275,26 +306,33 @@ class StageViscoelastic final : public BasicEnergy, public CellTerm {
 
 }  // namespace
 
+namespace {
+bool is_bulk_modulus(const ConstantText& constant) { return constant.name == "bulk_modulus"; }
+}  // namespace
+
 bool has_isochoric_split(const LawInfo& law) {
-  return std::ranges::any_of(law.constants,
-                             [](const ConstantText& constant) { return constant.name == "bulk_modulus"; });
+  return std::ranges::all_of(parts_of(law), [](const LawPart& part) {
+    return std::ranges::any_of(part.law->constants, is_bulk_modulus);
+  });
 }
 
 // Psi is a stress times a pure number, so it is linear in all constants that are stresses together; the bulk
 // modulus alone stands in U.
-std::vector<double> relaxing_factors(const LawInfo& law, ViscoelasticForm form, double factor) {
+std::vector<double> relaxing_factors(const LawInfo& law, ViscoelasticForm form,
+                                     const RemainingShares& shares) {
   std::vector<double> factors;
-  for (const ConstantText& constant : law.constants)
-    factors.push_back(
-        constant.unit == "Pa" && (form == ViscoelasticForm::whole || constant.name != "bulk_modulus") ? factor
-                                                                                                      : 1);
+  for (const LawPart& part : parts_of(law))
+    for (const ConstantText& constant : part.law->constants) {
+      const bool is_of_volume = form != ViscoelasticForm::whole && is_bulk_modulus(constant);
+      factors.push_back(constant.unit != "Pa" ? 1 : is_of_volume ? shares.volume : shares.shape);
+    }
   return factors;
 }
 
 /// The copies that steps ask for again and again, the one asked for last first.
 struct ViscoelasticEnergy::Scaled {
   struct Copy {
-    double share;
+    RemainingShares shares;
     std::shared_ptr<const ElasticEnergy> energy;
   };
   std::mutex mutex;
@@ -309,7 +347,10 @@ ViscoelasticEnergy::ViscoelasticEnergy(std::shared_ptr<ElasticEnergy> instantane
       branches_(std::move(branches)),
       form_(form),
       scaled_(std::make_unique<Scaled>()) {
-  for (const PronyBranch& branch : branches_) long_term_share_ -= branch.share;
+  for (const PronyBranch& branch : branches_) {
+    long_term_.shape -= branch.share;
+    long_term_.volume -= branch.volume_share;
+  }
 }
 
 void ViscoelasticEnergy::bind(const BlockPattern& pattern) {
@@ -317,27 +358,31 @@ void ViscoelasticEnergy::bind(const BlockPattern& pattern) {
   scaled_->copies.clear();
 }
 
-Eigen::Index ViscoelasticEnergy::values_per_point() const {
-  return symmetric_size * (1 + static_cast<Eigen::Index>(branches_.size()));
+Eigen::Index ViscoelasticEnergy::values_per_point() const { return history_values_per_point(branches_); }
+
+double ViscoelasticEnergy::pressure_pull(const double* values) const {
+  double pull = 0;
+  for (std::size_t k = 0; k < branches_.size(); ++k) pull += branches_[k].volume_share * values[k + 1];
+  return pull;
 }
 
 Eigen::Index ViscoelasticEnergy::num_history_values() const {
   return Eigen::Index{instantaneous_->num_cells()} * instantaneous_->num_points() * values_per_point();
 }
 
-std::shared_ptr<const ElasticEnergy> ViscoelasticEnergy::with_relaxing_share(double share) const {
+std::shared_ptr<const ElasticEnergy> ViscoelasticEnergy::with_shares(const RemainingShares& shares) const {
   constexpr std::size_t most = 3;  // the long term and two lengths of a stage
   const std::scoped_lock lock(scaled_->mutex);
   std::vector<Scaled::Copy>& copies = scaled_->copies;
-  const auto found = std::ranges::find(copies, share, &Scaled::Copy::share);
+  const auto found = std::ranges::find(copies, shares, &Scaled::Copy::shares);
   if (found != copies.end()) {
     std::rotate(copies.begin(), found, found + 1);
     return copies.front().energy;
   }
   if (copies.size() == most) copies.pop_back();
   const auto energy = std::make_shared<const ElasticEnergy>(
-      instantaneous_->with_scaled_constants(relaxing_factors(instantaneous_->law(), form_, share)));
-  copies.insert(copies.begin(), {.share = share, .energy = energy});
+      instantaneous_->with_scaled_constants(relaxing_factors(instantaneous_->law(), form_, shares)));
+  copies.insert(copies.begin(), {.shares = shares, .energy = energy});
   return energy;
 }
 
@@ -345,9 +390,13 @@ std::unique_ptr<Energy> ViscoelasticEnergy::begin_stage_after(const VectorX& his
                                                               const Stage& stage) const {
   std::shared_ptr<const ElasticEnergy> elastic = instantaneous_;  // where no time has passed
   if (stage.elapsed > 0) {
-    double share = long_term_share_;
-    for (const PronyBranch& branch : branches_) share += branch.share * mean_decay(branch, stage.elapsed);
-    elastic = with_relaxing_share(share);
+    RemainingShares shares = long_term_;
+    for (const PronyBranch& branch : branches_) {
+      const double c = mean_decay(branch, stage.elapsed);
+      shares.shape += branch.share * c;
+      shares.volume += branch.volume_share * c;
+    }
+    elastic = with_shares(shares);
   }
   return std::make_unique<StageViscoelastic>(*instantaneous_, std::move(elastic), branches_, form_, history,
                                              stage.elapsed);
@@ -360,6 +409,7 @@ HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const V
   const std::vector<Matrix<3>> before = instantaneous_->deformation_gradients(from);
   const std::vector<double> volumes = instantaneous_->point_volumes();
   const Decays decays(branches_, duration);
+  const bool has_pressure = relaxes_pressure(branches_);
   Advance result{.history = VectorX(history.size())};
   result.heat =
       parallel_sum<double>(gradients.size(), points_per_task, [&](std::size_t begin, std::size_t end) {
@@ -388,6 +438,15 @@ HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const V
           heat += volumes[point] * 0.5 *
                   (nominal_work(form_, F, matrix_of(pull), D) +
                    nominal_work(form_, F_n, matrix_of(pull_before), D));
+          if (!has_pressure) continue;
+          const double *y_n = history.data() + first + place_of_pressure(branches_),
+                       Y = J * stresses[point].trace() / 3;
+          double* y = result.history.data() + first + place_of_pressure(branches_);
+          y[0] = Y;
+          for (std::size_t k = 0; k < branches_.size(); ++k)
+            y[k + 1] = decays.whole[k] * y_n[k + 1] + decays.mean[k] * (Y - y_n[0]);
+          heat += volumes[point] * 0.5 *
+                  (pressure_work(pressure_pull(y), F, D) + pressure_work(pressure_pull(y_n), F_n, D));
         }
         return heat;
       });
@@ -395,16 +454,17 @@ HistoryTerm::Advance ViscoelasticEnergy::advance(const VectorX& history, const V
 }
 
 double ViscoelasticEnergy::stored_energy(const VectorX& x) const {
-  return with_relaxing_share(long_term_share_)->value(x, {});
+  return with_shares(long_term_)->value(x, {});
 }
 
 double ViscoelasticEnergy::stored_difference(const VectorX& from, const VectorX& to) const {
-  return with_relaxing_share(long_term_share_)->difference(from, to, {});
+  return with_shares(long_term_)->difference(from, to, {});
 }
 
 std::vector<Matrix<3>> ViscoelasticEnergy::cauchy_stresses(const VectorX& x, const VectorX& history) const {
   std::vector<Matrix<3>> stresses = instantaneous_->cauchy_stresses(x);
   const std::vector<Matrix<3>> gradients = instantaneous_->deformation_gradients(x);
+  const bool has_pressure = relaxes_pressure(branches_);
   parallel_for(stresses.size(), points_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t point = begin; point < end; ++point) {
       const auto first = static_cast<Eigen::Index>(point) * values_per_point();
@@ -414,16 +474,19 @@ std::vector<Matrix<3>> ViscoelasticEnergy::cauchy_stresses(const VectorX& x, con
                 history.segment<symmetric_size>(first + symmetric_size * static_cast<Eigen::Index>(k + 1));
       const Matrix<3> relaxing =
           form_ == ViscoelasticForm::whole ? stresses[point] : deviator(stresses[point]);
+      const double J = gradients[point].determinant(), pressure = stresses[point].trace() / 3;
       stresses[point] +=
-          (long_term_share_ - 1) * relaxing +
-          pushed_forward(form_, gradients[point], matrix_of(pull)) / gradients[point].determinant();
+          (long_term_.shape - 1) * relaxing + pushed_forward(form_, gradients[point], matrix_of(pull)) / J;
+      if (!has_pressure) continue;
+      const double* y = history.data() + first + place_of_pressure(branches_);
+      stresses[point] += ((long_term_.volume - 1) * pressure + pressure_pull(y) / J) * Matrix<3>::Identity();
     }
   });
   return stresses;
 }
 
 std::vector<double> ViscoelasticEnergy::energy_densities(const VectorX& x) const {
-  return with_relaxing_share(long_term_share_)->energy_densities(x);
+  return with_shares(long_term_)->energy_densities(x);
 }
 
 }  // namespace resilin

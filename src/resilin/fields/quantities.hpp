@@ -24,18 +24,19 @@ struct DomainState {
   const Domain& domain() const { return world.bodies[body].domains[number]; }
   const ElasticEnergy& elastic() const { return *domain().energy; }
   const VectorX& positions() const { return state.positions; }
-  /// nan for a viscoelastic material in a state without history, such as one read from a frame of results.
+  /// nan for a material with internal variables in a state without history, such as one read from a frame of
+  /// results.
   std::vector<Matrix<3>> cauchy_stresses() const {
-    if (!domain().viscoelastic) return elastic().cauchy_stresses(positions());
+    if (!domain().history) return elastic().cauchy_stresses(positions());
     if (state.history.size() == 0)
       return std::vector<Matrix<3>>(static_cast<std::size_t>(elastic().num_cells() * elastic().num_points()),
                                     Matrix<3>::Constant(std::numeric_limits<double>::quiet_NaN()));
-    return domain().viscoelastic->cauchy_stresses(positions(),
-                                                  world.history_of_domain(body, number, state.history));
+    return domain().history->cauchy_stresses(positions(),
+                                             world.history_of_domain(body, number, state.history));
   }
   std::vector<double> energy_densities() const {
-    return domain().viscoelastic ? domain().viscoelastic->energy_densities(positions())
-                                 : elastic().energy_densities(positions());
+    return domain().history ? domain().history->energy_densities(positions())
+                            : elastic().energy_densities(positions());
   }
 };
 

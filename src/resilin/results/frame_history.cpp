@@ -7,7 +7,7 @@ namespace {
 
 Eigen::Index width_of(const Domain& domain) {
   const Index num_cells = domain.energy->num_cells();
-  return domain.viscoelastic && num_cells > 0 ? domain.viscoelastic->num_history_values() / num_cells : 0;
+  return domain.history && num_cells > 0 ? domain.history->num_history_values() / num_cells : 0;
 }
 
 /// Calls `copy(first in the history, first by cell, count)` for each cell that has internal variables. Terms

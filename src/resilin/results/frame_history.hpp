@@ -6,7 +6,7 @@
 
 namespace resilin {
 
-/// Name of the array of a frame that holds the internal variables of viscoelastic materials, by cell.
+/// Name of the array of a frame that holds the internal variables of materials, by cell.
 constexpr const char* history_name = "internal_variables";
 
 /// Number of internal variables of a cell, the most of all domains; 0 for a world without.

@@ -31,29 +31,32 @@ void read_branches(const SceneNode& node, ViscoelasticDescription& v) {
   const Keys<Branch> keys = {number_key("g", &Branch::g, "", any_number, "Share in the moduli that relax."),
                              number_key("k", &Branch::k, "", any_number, "Share in the bulk modulus."),
                              number_key("tau", &Branch::tau, "s", any_number, "Relaxation time.")};
-  expect_list(node, "tables { g, tau }");
+  expect_list(node, "tables { g, k, tau }");
   for (std::size_t i = 0; i < node.value->array().size(); ++i) {
     Branch branch;
     read_table(node.element(i), keys, branch);
-    if (branch.k != 0)
-      node.element(i).child("k").fail_with(
-          "the bulk modulus does not relax; leave k out, or let the whole stress relax: formulation = "
-          "\"whole\"");
     v.g.push_back(branch.g);
+    v.k.push_back(branch.k);
     v.tau.push_back(branch.tau);
   }
+  if (std::ranges::all_of(v.k, [](double k) { return k == 0; })) v.k.clear();
 }
 
 Keys<ViscoelasticDescription> viscoelastic_keys() {
   using V = ViscoelasticDescription;
   return {
-      key<V>({"branches", "list of { g, tau }", "", "from g and tau",
-              "The branches one by one, in place of the lists g and tau."},
+      key<V>({"branches", "list of { g, k, tau }", "", "from g, k and tau",
+              "The branches one by one, in place of the lists g, k and tau; k may be left out."},
              read_branches),
       key<V>(
           {"g", "list of numbers > 0", "", "required without branches",
            "Share of each branch in the moduli that relax; all sum to less than 1 for instantaneous moduli."},
           [](const SceneNode& node, V& v) { v.g = read_numbers(node); }),
+      key<V>(
+          {"k", "list of numbers >= 0", "", "none",
+           "Share of each branch in the bulk modulus, by which the pressure relaxes; not for the formulation "
+           "whole."},
+          [](const SceneNode& node, V& v) { v.k = read_numbers(node); }),
       key<V>(
           {"tau", "list of numbers > 0", "s", "required without branches", "Relaxation time of each branch."},
           [](const SceneNode& node, V& v) { v.tau = read_numbers(node); }),
@@ -71,8 +74,23 @@ void read_viscoelastic(const SceneNode& node, MaterialDescription& material) {
   ViscoelasticDescription& viscoelastic = material.viscoelastic.emplace();
   viscoelastic.place = node.place();
   read_table(node, viscoelastic_keys(), viscoelastic);
-  if (node.has("branches") && (node.has("g") || node.has("tau")))
-    node.child("branches").fail_with("give either branches or the lists g and tau");
+  if (node.has("branches") && (node.has("g") || node.has("k") || node.has("tau")))
+    node.child("branches").fail_with("give either branches or the lists g, k and tau");
+}
+
+Keys<MullinsDescription> mullins_keys() {
+  using M = MullinsDescription;
+  return {
+      number_key("r", &M::r, "", any_number, "> 1: at most 1/r of the isochoric stress is lost."),
+      number_key("m", &M::m, "J/m^3", any_number,
+                 "Energy density over which the stress is lost: the smaller, the sooner."),
+      number_key("beta", &M::beta, "", any_number, "Share of the largest energy density, which adds to m.")};
+}
+
+void read_mullins(const SceneNode& node, MaterialDescription& material) {
+  MullinsDescription& mullins = material.mullins.emplace();
+  mullins.place = node.place();
+  read_table(node, mullins_keys(), mullins);
 }
 
 /// A material of the library brings its law and constants.
@@ -108,6 +126,9 @@ Keys<MaterialDescription> material_keys() {
       key<M>({"viscoelastic", "[viscoelastic](#viscoelastic)", "", "none",
               "Finite-strain viscoelasticity by a Prony series."},
              read_viscoelastic),
+      key<M>({"mullins", "[mullins](#mullins)", "", "none",
+              "Softening by the largest strain energy so far (Mullins effect)."},
+             read_mullins),
   };
 }
 
@@ -306,9 +327,18 @@ TableDoc viscoelastic_doc() {
   return document(
       "viscoelastic",
       "Prony series of a material: stress relaxes by 1 - sum_i g_i (1 - exp(-t / tau_i)) "
-      "([materials](materials.md#viscoelasticity)). The pressure relaxes in the formulation whole "
-      "only. In a static analysis the time is the load factor times `simulation.end_time`.",
+      "([materials](materials.md#viscoelasticity)). The pressure relaxes by k in the same way, in the "
+      "formulation whole by g. In a static analysis the time is the load factor times `simulation.end_time`.",
       viscoelastic_keys());
+}
+
+TableDoc mullins_doc() {
+  return document("mullins",
+                  "Mullins softening of a material (Ogden-Roxburgh): below the largest isochoric energy "
+                  "density W_max of a "
+                  "point its stress is 1 - erf((W_max - W) / (m + beta W_max)) / r times that of the law "
+                  "([materials](materials.md#mullins-softening)). One of m and beta is above zero.",
+                  mullins_keys());
 }
 
 TableDoc material_doc() {

@@ -54,6 +54,7 @@ std::vector<TableDoc> scene_tables() {
       mesh_doc(),
       material_doc(),
       viscoelastic_doc(),
+      mullins_doc(),
       region_doc(),
       damping_doc(),
       rotation_doc(),

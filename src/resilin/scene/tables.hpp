@@ -55,6 +55,7 @@ void remark_on_unit(const SceneNode& body_node, const BodyDescription& body);
 void read_material(const SceneNode& node, const Mesh& mesh, MaterialDescription& material);
 TableDoc material_doc();
 TableDoc viscoelastic_doc();
+TableDoc mullins_doc();
 
 // region_table.cpp
 /// `mesh` is that of the body.

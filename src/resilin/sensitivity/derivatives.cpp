@@ -36,9 +36,9 @@ void check_is_differentiable(const Description& description) {
   if (description.thickness != 1)
     refuse("a thickness of 1 m", format_number(description.thickness) + " m",
            "leave simulation.thickness out: forces are those of each metre then");
-  if (const std::string material = place_of_viscoelasticity(description); !material.empty())
-    throw InputError(material, "elastic materials where derivatives are asked for", "a viscoelastic one",
-                     "leave viscoelastic out");
+  if (const auto history = find_history(description))
+    throw InputError(history->place, "elastic materials where derivatives are asked for", history->kind,
+                     history->cure);
   for (const BodyDescription& body : description.bodies)
     if (body.rigid)
       throw InputError(body.rigid->place, "deformable bodies where derivatives are asked for", "a rigid one",

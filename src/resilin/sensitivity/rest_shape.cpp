@@ -90,9 +90,9 @@ class Search {
       throw InputError(description_.place + ": simulation.thickness", "1 m for a stress-free shape",
                        format_number(description_.thickness),
                        "leave it out: forces are those of each metre then");
-    if (const std::string material = place_of_viscoelasticity(description_); !material.empty())
-      throw InputError(material, "an elastic material for a stress-free shape", "a viscoelastic one",
-                       "leave viscoelastic out");
+    if (const auto history = find_history(description_))
+      throw InputError(history->place, "an elastic material for a stress-free shape", history->kind,
+                       history->cure);
     for (const BodyDescription& body : description_.bodies)
       if (body.rigid)
         throw InputError(body.rigid->place, "deformable bodies for a stress-free shape", "a rigid one",

@@ -234,7 +234,7 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   const std::vector<WorkBalance> works = measure_work(world, potential, x, gradient, acting, displacement);
   for (std::size_t b = 0; b < works.size(); ++b) {
     const WorkBalance& balance = works[b];
-    if (world.bodies[b].domains.are_viscoelastic()) continue;  // forces do the work of branches, too
+    if (world.bodies[b].domains.have_history()) continue;  // forces do work that is not stored
     if (world.bodies[b].rigid) continue;  // a straight way of a turning body strains it beyond all measure
     // A body that slides across its forces goes a long way on which they do no work but that of what the
     // search may leave of them.

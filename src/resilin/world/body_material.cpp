@@ -4,6 +4,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/energy/mullins.hpp"
 #include "resilin/world/body_mesh.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/region_cells.hpp"
@@ -102,19 +103,25 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
     auto energy = std::make_shared<ElasticEnergy>(
         world.dimension, ElementChoice(body.element, description.quadrature), domain.cells,
         world.rest_positions, law, of.constants, fibres, preferred_instruction_set(),
-        world.is_dynamic || material.viscoelastic ? Gradients::held : Gradients::held_by_small_bodies,
+        world.is_dynamic || material.viscoelastic || material.mullins ? Gradients::held
+                                                                      : Gradients::held_by_small_bodies,
         world.thickness);
     if (world.newton.inversion_bound == InversionBound::everywhere) energy->bound_inversion_everywhere();
     std::shared_ptr<Energy> term = energy;
     if (material.viscoelastic) {
       PronySeries series = prony_series(*material.viscoelastic, law);
-      if (series.stiffening != 1)
+      if (series.stiffening != RemainingShares())
         energy = std::make_shared<ElasticEnergy>(energy->with_scaled_constants(
             relaxing_factors(law, material.viscoelastic->formulation, series.stiffening)));
       const auto viscoelastic = std::make_shared<ViscoelasticEnergy>(energy, std::move(series.branches),
                                                                      material.viscoelastic->formulation);
-      domain.viscoelastic = viscoelastic;
+      domain.history = viscoelastic;
       term = viscoelastic;
+    }
+    if (material.mullins) {
+      const auto softened = std::make_shared<MullinsEnergy>(energy, softening(material, law));
+      domain.history = softened;
+      term = softened;
     }
     domain.energy = energy;
     domain.density = material.density;

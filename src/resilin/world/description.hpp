@@ -93,9 +93,18 @@ struct ViscoelasticDescription {
   /// Share of each branch in the moduli that relax: of the instantaneous or of the long-term ones, as
   /// `moduli` says.
   std::vector<double> g;
+  std::vector<double> k{};  ///< likewise in the bulk modulus; empty: the pressure does not relax by itself
   std::vector<double> tau;  ///< relaxation time of each branch [s]
   Moduli moduli = Moduli::instantaneous;
   ViscoelasticForm formulation = ViscoelasticForm::simo;
+};
+
+/// Softening by the largest strain energy so far (docs/theory/mullins.md).
+struct MullinsDescription {
+  std::string place = "material.mullins";
+  double r = 2;     ///< > 1: at most 1/r of the isochoric stress is lost
+  double m = 0;     ///< [J/m^3]
+  double beta = 0;  ///< share of the largest energy
 };
 
 /// Constitutive model and constants of a body or region.
@@ -111,6 +120,7 @@ struct MaterialDescription {
   std::vector<std::vector<Vector3>> fibres;
   double density = 1000;  ///< reference density [kg/m^3]
   std::optional<ViscoelasticDescription> viscoelastic{};
+  std::optional<MullinsDescription> mullins{};
 };
 
 /// A prescribed rotation about an axis.

@@ -13,8 +13,10 @@ inline Members<> members(const TimeFunction::Constant&) { return {}; }
 
 RESILIN_MEMBERS(Where, kind, group, min, max, axis, at, tolerance, center, radius, vertices, face_at, normal,
                 angle)
-RESILIN_MEMBERS(ViscoelasticDescription, place, g, tau, moduli, formulation)
-RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibres, density, viscoelastic)
+RESILIN_MEMBERS(ViscoelasticDescription, place, g, k, tau, moduli, formulation)
+RESILIN_MEMBERS(MullinsDescription, place, r, m, beta)
+RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibres, density, viscoelastic,
+                mullins)
 RESILIN_MEMBERS(Rotation, axis, center, degrees)
 RESILIN_MEMBERS(DampingDescription, mass, stiffness, shear_viscosity, bulk_viscosity)
 RESILIN_MEMBERS(SkinDescription, place, surface, surface_name, is_smooth)

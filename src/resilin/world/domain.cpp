@@ -51,8 +51,8 @@ double Domains::total_rest_volume() const {
   return volume;
 }
 
-bool Domains::are_viscoelastic() const {
-  return std::ranges::any_of(all_, [](const Domain& domain) { return domain.viscoelastic != nullptr; });
+bool Domains::have_history() const {
+  return std::ranges::any_of(all_, [](const Domain& domain) { return domain.history != nullptr; });
 }
 
 double Domains::value(const VectorX& x) const {

@@ -7,7 +7,7 @@
 
 #include "resilin/core/shared_indices.hpp"
 #include "resilin/energy/elastic.hpp"
-#include "resilin/energy/viscoelastic.hpp"
+#include "resilin/energy/history_material.hpp"
 
 namespace resilin {
 
@@ -25,12 +25,12 @@ struct Domain {
   SharedIndices cells{};  ///< nodes of its cells, in the world's numbering
   /// Strain energy; of a viscoelastic material the instantaneous one
   std::shared_ptr<const ElasticEnergy> energy{};
-  std::shared_ptr<const ViscoelasticEnergy> viscoelastic{};  ///< null for an elastic material
+  std::shared_ptr<const HistoryMaterial> history{};  ///< null for a material without internal variables
 
   const LawInfo& law_info() const { return energy->law(); }
   /// Strain energy [J]; of a viscoelastic material that of its long-term moduli.
   double stored_energy(const VectorX& x) const {
-    return viscoelastic ? viscoelastic->stored_energy(x) : energy->value(x, {});
+    return history ? history->stored_energy(x) : energy->value(x, {});
   }
   /// The number in the body of one of its cells.
   Index number_of(Index cell) const { return numbers ? (*numbers)[static_cast<std::size_t>(cell)] : cell; }
@@ -70,7 +70,7 @@ class Domains {
   Index num_cells() const { return num_cells_; }
   double total_rest_volume() const;
 
-  bool are_viscoelastic() const;         ///< one of them at least
+  bool have_history() const;             ///< internal variables, one of them at least
   double value(const VectorX& x) const;  ///< stored energy [J]
   double difference(const VectorX& from, const VectorX& to) const;
   /// The smallest J of all domains, as ElasticEnergy has it.

@@ -38,7 +38,7 @@ bool follows_time(const Description& description) {
          std::ranges::any_of(description.loads, varies) ||
          std::ranges::any_of(description.loads, is_windowed) ||
          std::ranges::any_of(description.colliders, moves) ||
-         std::ranges::any_of(description.bodies, is_viscoelastic);
+         std::ranges::any_of(description.bodies, has_history);
 }
 
 std::vector<double> event_times(const Description& description) {

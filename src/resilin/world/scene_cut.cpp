@@ -69,8 +69,8 @@ void require_distributable(const World& world) {
   if (world.friction) refuse(scene + ": friction", "friction");
   if (!world.sections.empty()) refuse(scene + ": section", "a section force");
   for (const Body& body : world.bodies)
-    if (body.domains.are_viscoelastic())
-      refuse(scene + ": body \"" + body.name + "\"", "a viscoelastic material");
+    if (body.domains.have_history())
+      refuse(scene + ": body \"" + body.name + "\"", "a viscoelastic or softening material");
   for (const Body& body : world.bodies)
     if (body.rigid) refuse(scene + ": body \"" + body.name + "\"", "a rigid body");
   for (const Body& body : world.bodies)

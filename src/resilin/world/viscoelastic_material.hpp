@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "resilin/energy/softening.hpp"
 #include "resilin/energy/viscoelastic.hpp"
 #include "resilin/world/description.hpp"
 
@@ -11,20 +13,31 @@ namespace resilin {
 /// A Prony series by its instantaneous moduli.
 struct PronySeries {
   std::vector<PronyBranch> branches;
-  /// Instantaneous shear moduli over those that the material gives: 1, unless these are the long-term ones.
-  double stiffening = 1;
+  /// Instantaneous moduli over those that the material gives: 1, unless these are the long-term ones.
+  RemainingShares stiffening;
 };
 
 /// Throws InputError for lists that differ in length, shares that leave no long-term modulus, relaxation
 /// times that are not positive, and a law without an isochoric-volumetric split.
 PronySeries prony_series(const ViscoelasticDescription& description, const LawInfo& law);
 
-/// Whether a body has a viscoelastic material, its regions included.
-bool is_viscoelastic(const BodyDescription& body);
-/// The place of the first viscoelastic material of a scene; empty where there is none.
-std::string place_of_viscoelasticity(const Description& description);
+/// The softening of a material. Throws InputError for constants out of range, a law without an
+/// isochoric-volumetric split, and viscoelasticity beside it.
+Softening softening(const MaterialDescription& material, const LawInfo& law);
+
+/// Whether a body has a material with internal variables, its regions included.
+bool has_history(const BodyDescription& body);
+
+/// A material with internal variables, in the words of messages.
+struct HistoryPlace {
+  std::string place;  ///< place of its table in the scene
+  std::string kind;   ///< "a viscoelastic one"
+  std::string cure;   ///< "leave viscoelastic out"
+};
+/// The first such material of a scene.
+std::optional<HistoryPlace> find_history(const Description& description);
 
 /// Throws InputError for analyses that do not follow internal variables.
-void check_viscoelasticity(const Description& description);
+void check_history(const Description& description);
 
 }  // namespace resilin

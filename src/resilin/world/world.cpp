@@ -144,7 +144,7 @@ class Builder {
 
 void Builder::build() {
   check_description(description_);
-  check_viscoelasticity(description_);
+  check_history(description_);
   check_axisymmetry(description_);
   if (part_ != nullptr && is_axisymmetric(description_))
     throw InputError(world_.place + ": simulation.dimension", "2 or 3 for several MPI processes",

@@ -10,21 +10,22 @@
 namespace resilin::RESILIN_SIMD_NAMESPACE {
 namespace {
 
-/// H at a point: its part in the plane or in space, and zz where that is out of the plane.
+/// H at a point: its part in the plane or in space, and zz where that is out of the plane; and q.
 template <int dim>
 struct History {
-  Lanes H[dim * dim], zz;
+  Lanes H[dim * dim], zz, q;
 
   template <class AnyGroup>
   RESILIN_INLINE History(const OverstressRows& all, const AnyGroup& at, std::size_t point) {
     constexpr int places[symmetric_size][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
     const double* rows =
-        all.H + (at.block * at.tile.num_points + point) * (symmetric_size * block_size) + at.lane;
+        all.H + (at.block * at.tile.num_points + point) * (all.size() * block_size) + at.lane;
     for (int k = 0; k < symmetric_size; ++k) {
       const int i = places[k][0], j = places[k][1];
       if (i < dim && j < dim) H[dim * i + j] = H[dim * j + i] = Lanes::load(rows + k * block_size);
     }
     zz = dim == 2 ? Lanes::load(rows + 2 * block_size) : Lanes(0.0);
+    q = all.has_pressure ? Lanes::load(rows + symmetric_size * block_size) : Lanes(0.0);
   }
 };
 
@@ -53,27 +54,39 @@ RESILIN_INLINE void cofactors(const Lanes F[], Lanes C[]) {
 /// J^(-2/3)
 RESILIN_INLINE Lanes isochoric_scale(Lanes J) { return exp((-2.0 / 3.0) * log1p(J - 1.0)); }
 
-/// Factors of the density s t / 2 and of its slopes.
+/// Whether the density depends on J.
+RESILIN_INLINE bool depends_on_volume(const OverstressRows& all) {
+  return all.is_isochoric || all.has_pressure;
+}
+
+/// Factors of the density s t / 2 + q ln J and of its slopes.
 template <int dim>
 struct Overstress {
-  Lanes n[dim * dim];  ///< F^-T; zero where s is constant
+  Lanes n[dim * dim];  ///< F^-T; zero where the density does not depend on J
   Lanes Q[dim * dim];  ///< F H
   Lanes J, s, t;       ///< det F; J^(-2/3) or 1; C:H
+  Lanes third;         ///< t/3; 0 for s = 1
 
-  RESILIN_INLINE Overstress(const Lanes F[], const History<dim>& history, bool is_isochoric) {
+  RESILIN_INLINE Overstress(const Lanes F[], const History<dim>& history, const OverstressRows& all) {
     multiply<dim>(F, history.H, Q);
     t = dot<dim * dim>(F, Q) + history.zz;
-    if (!is_isochoric) {
+    J = s = 1.0;
+    third = 0.0;
+    if (!depends_on_volume(all)) {
       for (Lanes& entry : n) entry = 0.0;
-      J = s = 1.0;
       return;
     }
     cofactors<dim>(F, n);
     J = dot<dim>(F, n);
     const Lanes inverse = 1.0 / J;
     for (Lanes& entry : n) entry *= inverse;
+    if (!all.is_isochoric) return;
     s = isochoric_scale(J);
+    third = (1.0 / 3.0) * t;
   }
+
+  /// Factor of F^-T in P = s F H - slope F^-T.
+  RESILIN_INLINE Lanes slope(const History<dim>& history) const { return s * third - history.q; }
 };
 
 /// F at a point from differences of displacements.
@@ -92,7 +105,7 @@ RESILIN_INLINE std::size_t num_points(const QuadratureTile& tile) {
 /// Density at F + D less that at F.
 template <int dim>
 RESILIN_INLINE Lanes change_of_density(const Lanes F[], const Lanes D[], const History<dim>& history,
-                                       bool is_isochoric) {
+                                       const OverstressRows& all) {
   constexpr int n = dim * dim;
   Lanes mean[n], cof[n], twice_mean_H[n];
   for (int i = 0; i < n; ++i) mean[i] = F[i] + 0.5 * D[i];
@@ -104,18 +117,20 @@ RESILIN_INLINE Lanes change_of_density(const Lanes F[], const Lanes D[], const H
     cofactors<dim>(D, cof_D);
     change_of_J += 0.25 * dot<dim>(D, cof_D);
   }
-  const Overstress<dim> before(F, history, is_isochoric);
-  Lanes change_of_s = 0.0;
-  if (is_isochoric) change_of_s = before.s * expm1((-2.0 / 3.0) * log1p(change_of_J / before.J));
+  const Overstress<dim> before(F, history, all);
+  Lanes change_of_s = 0.0, change_of_log = 0.0;
+  if (depends_on_volume(all)) change_of_log = log1p(change_of_J / before.J);
+  if (all.is_isochoric) change_of_s = before.s * expm1((-2.0 / 3.0) * change_of_log);
   // C:H at the end less that at the start is D:((F + F + D) H)
   multiply<dim>(mean, history.H, twice_mean_H);
   const Lanes change_of_t = 2.0 * dot<n>(D, twice_mean_H);
-  return 0.5 * ((before.s + change_of_s) * change_of_t + change_of_s * before.t);
+  return 0.5 * ((before.s + change_of_s) * change_of_t + change_of_s * before.t) + history.q * change_of_log;
 }
 
 /// Absolute values of the parts of the density.
 template <int dim>
-RESILIN_INLINE Lanes magnitude_of_density(const Lanes F[], const History<dim>& history, bool is_isochoric) {
+RESILIN_INLINE Lanes magnitude_of_density(const Lanes F[], const History<dim>& history,
+                                          const OverstressRows& all) {
   Lanes sum = abs(history.zz);
   for (int i = 0; i < dim; ++i)
     for (int k = 0; k < dim; ++k) {
@@ -123,7 +138,7 @@ RESILIN_INLINE Lanes magnitude_of_density(const Lanes F[], const History<dim>& h
       for (int m = 1; m < dim; ++m) C += F[dim * m + i] * F[dim * m + k];
       sum += abs(C * history.H[dim * i + k]);
     }
-  return 0.5 * Overstress<dim>(F, history, is_isochoric).s * sum;
+  return 0.5 * Overstress<dim>(F, history, all).s * sum + abs(history.q);
 }
 
 template <int dim, int num_nodes>
@@ -142,7 +157,7 @@ void add_differences(const QuadratureTile& tile, const OverstressRows& all, cons
       at.inverse_jacobian(q, dxi_dX);
       shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
       gradient_at<dim, num_nodes>(at, q, change, dxi_dX, D);
-      part += at.weight(q) * change_of_density<dim>(F, D, history, all.is_isochoric);
+      part += at.weight(q) * change_of_density<dim>(F, D, history, all);
     }
     add_to_sum(part, at.lane, total);
   });
@@ -160,13 +175,13 @@ void add_magnitudes(const QuadratureTile& tile, const OverstressRows& all, const
       Lanes dxi_dX[n], F[n];
       at.inverse_jacobian(q, dxi_dX);
       shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
-      part += at.weight(q) * magnitude_of_density<dim>(F, history, all.is_isochoric);
+      part += at.weight(q) * magnitude_of_density<dim>(F, history, all);
     }
     add_to_sum(part, at.lane, total);
   });
 }
 
-/// P = s (F H - t/3 F^-T)
+/// P = s (F H - t/3 F^-T) + q F^-T
 template <int dim, int num_nodes>
 void add_forces(const QuadratureTile& tile, const OverstressRows& all, const double* displacements,
                 bool is_magnitude, const OwnedNodes& owned, double* forces) {
@@ -181,9 +196,9 @@ void add_forces(const QuadratureTile& tile, const OverstressRows& all, const dou
       Lanes dxi_dX[n], F[n], P[n], T[dim][dim];  // T = w P (dxi/dX)^T
       at.inverse_jacobian(q, dxi_dX);
       shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
-      const Overstress<dim> here(F, history, all.is_isochoric);
-      const Lanes third = (1.0 / 3.0) * here.t, w = at.weight(q) * here.s;
-      for (int i = 0; i < n; ++i) P[i] = here.Q[i] - third * here.n[i];
+      const Overstress<dim> here(F, history, all);
+      const Lanes slope = here.slope(history), w = at.weight(q);
+      for (int i = 0; i < n; ++i) P[i] = here.s * here.Q[i] - slope * here.n[i];
       for (int i = 0; i < dim; ++i)
         for (int m = 0; m < dim; ++m) T[i][m] = w * dot<dim>(P + dim * i, dxi_dX + dim * m);
       add_shares<dim, num_nodes>(at, q, T, f);
@@ -219,7 +234,7 @@ RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const Ov
     Lanes dxi_dX[n], F[n], g[num_nodes][dim], Hg[num_nodes][dim];
     at.inverse_jacobian(q, dxi_dX);
     shape_at<dim, num_nodes>(at, q, u, dxi_dX, F);
-    const Overstress<dim> here(F, history, all.is_isochoric);
+    const Overstress<dim> here(F, history, all);
     const Lanes scale = at.weight(q) * here.s;
     if (removed > 0) project<dim>(removed, history.H);
     for (int a = 1; a < num_nodes; ++a) {
@@ -231,22 +246,23 @@ RESILIN_INLINE void add_element_matrix(const Group<dim, num_nodes>& at, const Ov
         const Lanes common = dot<dim>(g[a], Hg[b]);
         for (int i = 0; i < dim; ++i) K[pair_index(num_nodes, a, b)][(dim + 1) * i] += common;
       }
-    if (removed > 0 || !all.is_isochoric) continue;
+    if (removed > 0 || !depends_on_volume(all)) continue;
     Lanes normal[num_nodes][dim], pull[num_nodes][dim];
     for (int a = 1; a < num_nodes; ++a)
       for (int i = 0; i < dim; ++i) {
         normal[a][i] = dot<dim>(here.n + dim * i, g[a]);
         pull[a][i] = dot<dim>(here.Q + dim * i, g[a]);
       }
-    const Lanes third = (1.0 / 3.0) * here.t;
+    const Lanes cross = at.weight(q) * here.slope(history);
+    const Lanes mixed = all.is_isochoric ? (2.0 / 3.0) * scale : Lanes(0.0);
     for (int b = 1; b < num_nodes; ++b)
       for (int a = 1; a <= b; ++a) {
         Lanes* block = K[pair_index(num_nodes, a, b)];
         for (int i = 0; i < dim; ++i)
           for (int k = 0; k < dim; ++k)
-            block[dim * i + k] += scale * (third * normal[b][i] * normal[a][k] -
-                                           (2.0 / 3.0) * (normal[a][i] * (pull[b][k] - third * normal[b][k]) +
-                                                          pull[a][i] * normal[b][k]));
+            block[dim * i + k] +=
+                cross * normal[b][i] * normal[a][k] -
+                mixed * (normal[a][i] * (pull[b][k] - here.third * normal[b][k]) + pull[a][i] * normal[b][k]);
       }
   }
   for (int a = 1; a < num_nodes; ++a) make_symmetric<dim>(K[pair_index(num_nodes, a, a)]);
@@ -285,7 +301,7 @@ void add_ring_differences(const QuadratureTile& tile, const OverstressRows& all,
       point.gradient(u, F);
       add_identity<3>(F);
       point.gradient(change, D);
-      part += at.weight(q) * change_of_density<3>(F, D, History<3>(all, at, q), all.is_isochoric);
+      part += at.weight(q) * change_of_density<3>(F, D, History<3>(all, at, q), all);
     }
     add_to_sum(part, at.lane, total);
   });
@@ -301,7 +317,7 @@ void add_ring_magnitudes(const QuadratureTile& tile, const OverstressRows& all, 
       Lanes F[9];
       RingPoint<num_nodes>(at, q).gradient(u, F);
       add_identity<3>(F);
-      part += at.weight(q) * magnitude_of_density<3>(F, History<3>(all, at, q), all.is_isochoric);
+      part += at.weight(q) * magnitude_of_density<3>(F, History<3>(all, at, q), all);
     }
     add_to_sum(part, at.lane, total);
   });
@@ -320,10 +336,11 @@ void add_ring_forces(const QuadratureTile& tile, const OverstressRows& all, cons
       Lanes F[9], P[9];
       point.gradient(u, F);
       add_identity<3>(F);
-      const Overstress<3> here(F, History<3>(all, at, q), all.is_isochoric);
-      const Lanes third = (1.0 / 3.0) * here.t;
-      for (int i = 0; i < 9; ++i) P[i] = here.Q[i] - third * here.n[i];
-      point.add_forces(at.weight(q) * here.s, P, f);
+      const History<3> history(all, at, q);
+      const Overstress<3> here(F, history, all);
+      const Lanes slope = here.slope(history);
+      for (int i = 0; i < 9; ++i) P[i] = here.s * here.Q[i] - slope * here.n[i];
+      point.add_forces(at.weight(q), P, f);
     }
     if (is_magnitude)
       for (auto& node_force : f)
@@ -346,7 +363,7 @@ RESILIN_INLINE void add_ring_matrix(const Group<2, num_nodes>& at, const Overstr
     Lanes F[9];
     point.gradient(u, F);
     add_identity<3>(F);
-    const Overstress<3> here(F, history, all.is_isochoric);
+    const Overstress<3> here(F, history, all);
     const Lanes scale = at.weight(q) * here.s;
     if (removed > 0) project<3>(removed, history.H);
     const Lanes* H = history.H;
@@ -360,7 +377,7 @@ RESILIN_INLINE void add_ring_matrix(const Group<2, num_nodes>& at, const Overstr
         block[3] += common;
       }
     }
-    if (removed > 0 || !all.is_isochoric) continue;
+    if (removed > 0 || !depends_on_volume(all)) continue;
     Lanes normal[num_nodes][2], whole[num_nodes][2], pull[num_nodes][2];
     for (int a = 0; a < num_nodes; ++a) {
       point.contract(here.n, a, whole[a]);
@@ -368,17 +385,17 @@ RESILIN_INLINE void add_ring_matrix(const Group<2, num_nodes>& at, const Overstr
       normal[a][0] = whole[a][0] - here.n[8] * point.h[a];
       normal[a][1] = whole[a][1];
     }
-    const Lanes third = (1.0 / 3.0) * here.t, hoop = here.n[8] * here.n[8];
+    const Lanes cross = at.weight(q) * here.slope(history), hoop = here.n[8] * here.n[8];
+    const Lanes mixed = all.is_isochoric ? (2.0 / 3.0) * scale : Lanes(0.0);
     for (int b = 0; b < num_nodes; ++b)
       for (int a = 0; a <= b; ++a) {
         Lanes* block = K[pair_index(num_nodes, a, b)];
         for (int i = 0; i < 2; ++i)
           for (int k = 0; k < 2; ++k)
             block[2 * i + k] +=
-                scale *
-                (third * normal[b][i] * normal[a][k] -
-                 (2.0 / 3.0) * (whole[a][i] * (pull[b][k] - third * whole[b][k]) + pull[a][i] * whole[b][k]));
-        block[0] += scale * (third * hoop * point.h[a] * point.h[b]);
+                cross * normal[b][i] * normal[a][k] -
+                mixed * (whole[a][i] * (pull[b][k] - here.third * whole[b][k]) + pull[a][i] * whole[b][k]);
+        block[0] += cross * hoop * point.h[a] * point.h[b];
       }
   }
   for (int a = 0; a < num_nodes; ++a) make_symmetric<2>(K[pair_index(num_nodes, a, a)]);

@@ -2,17 +2,21 @@
 
 #include "resilin/energy/kernels/quadrature_kernels.hpp"
 
-// Loops over elements of a viscoelastic body, for the part s C:H / 2 of a stage's energy density. H is a
-// known symmetric tensor at each quadrature point, s is J^(-2/3) or 1 (energy/viscoelastic.hpp).
+// Loops over elements of a viscoelastic body, for the part s C:H / 2 + q ln J of a stage's energy density. H
+// is a known symmetric tensor at each quadrature point, q a known stress, s is J^(-2/3) or 1
+// (energy/viscoelastic.hpp).
 namespace resilin {
 
 /// Numbers of a symmetric tensor as a history has them: xx, yy, zz, xy, yz, xz.
 constexpr int symmetric_size = 6;
 
-/// H of all blocks by rows of lanes: [block][point][symmetric_size][lane].
+/// H and, where the pressure relaxes, q of all blocks by rows of lanes: [block][point][size()][lane].
 struct OverstressRows {
   const double* H;
   bool is_isochoric;  ///< s = J^(-2/3), else 1
+  bool has_pressure;  ///< there is a q
+
+  constexpr std::size_t size() const { return symmetric_size + (has_pressure ? 1U : 0U); }
 };
 
 /// For elements of every kind.
@@ -35,11 +39,11 @@ struct OverstressKernels {
   /// [tile block][pair][dim * dim][lane]. With n_a = F^-T g_a, q_a = F H g_a and t = C:H the exact block
   /// is, for s = J^(-2/3),
   ///
-  ///   s ((g_a.H g_b) 1 - 2/3 (n_a q_b^T + q_a n_b^T) + t/3 n_b n_a^T + 2/9 t n_a n_b^T).
+  ///   s ((g_a.H g_b) 1 - 2/3 (n_a q_b^T + q_a n_b^T) + t/3 n_b n_a^T + 2/9 t n_a n_b^T) - q n_b n_a^T.
   ///
-  /// and (g_a.H g_b) 1 for s = 1. With `removed` > 0 it is s (g_a.H' g_b) 1 instead, where `removed` times
-  /// the negative part of the eigenvalues of H is taken off: positive semi-definite, and close where the
-  /// branches pull.
+  /// and (g_a.H g_b) 1 - q n_b n_a^T for s = 1. With `removed` > 0 it is s (g_a.H' g_b) 1 instead, where
+  /// `removed` times the negative part of the eigenvalues of H is taken off: positive semi-definite, and
+  /// close where the branches pull.
   void (*add_matrices)(const QuadratureTile&, const OverstressRows&, const double* displacements,
                        double removed, double* K);
 };
