@@ -109,7 +109,7 @@ TEST_P(EverySequence, LooksBackAtEvenSpeed) {
   }
 }
 
-/// What slows a step down is taken out of all that came before, too.
+/// The slowing of a step is added to the motion before it, too.
 TEST_P(EverySequence, WasAsSlowBefore) {
   Numbers numbers;
   const History start = numbers.history();

@@ -51,7 +51,7 @@ class StageSequence {
   History seen_;  ///< the start without the impulses in the stages
   double time_step_;
   std::vector<Motion> solutions_;
-  VectorX jump_;   ///< of velocities in the last stage; empty: none [m/s]
+  VectorX jump_;   ///< jump of velocities in the last stage; empty: none [m/s]
   VectorX where_;  ///< nonzero where it acts
 };
 
@@ -85,7 +85,7 @@ class TransposedSequence {
   double time_step_;
   History by_start_, by_seen_;        ///< as StageSequence has them
   VectorX by_jump_;                   ///< by that of the last stage, from the start of the next step
-  std::vector<Motion> by_solutions_;  ///< of the stages that have not begun
+  std::vector<Motion> by_solutions_;  ///< slopes by the motions of stages
   std::size_t stage_;                 ///< stages left
 };
 

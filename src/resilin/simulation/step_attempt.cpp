@@ -17,7 +17,7 @@ double dissipation(const World& world, const State& state, const Motion& end, do
   return world.share.sum(sum);
 }
 
-/// What is done about each flaw. Steps that are short of iterations on purpose are as good as they get.
+/// The remedies of each flaw. Steps that are short of iterations on purpose are as good as they get.
 Remedies remedies_of(Flaw flaw) {
   switch (flaw) {
     case Flaw::not_found:

@@ -9,7 +9,7 @@
 
 namespace resilin {
 
-/// What is wrong with a step that was tried.
+/// A reason why a step that was tried is not good enough.
 enum class Flaw {
   not_found,           ///< a search found no minimum
   cut_short,           ///< the same, only because newton.max_iterations is low on purpose
@@ -19,7 +19,7 @@ enum class Flaw {
   leaves_domain,       ///< the scheme of the scene leads to where the energy is infinite
 };
 
-/// What may lead to a step without a flaw.
+/// Ways that may lead to a step without a flaw.
 struct Remedies {
   bool shorter_step = false;  ///< where steps adapt
   bool parts = false;         ///< the same length in parts, where steps are equal
@@ -33,7 +33,7 @@ struct TimeStepper::Attempt {
   StepReport report{};
   const Integrator* scheme = nullptr;     ///< integrator of the step
   std::optional<StageSequence> stages{};  ///< once it has begun
-  Remedies remedies{};                    ///< of all its flaws
+  Remedies remedies{};                    ///< remedies of all its flaws
   Motion end{};
   VectorX gradient{};
   double collider_delay = 0;  ///< [s]
