@@ -71,7 +71,7 @@ Description stretched_cube(const nlohmann::json& reference, const std::string& k
   return scene;
 }
 
-double reaction_of(const Frame& frame, const std::string& name, int component) {
+double force_of(const Frame& frame, const std::string& name, int component) {
   for (const auto& [of, force] : frame.reactions)
     if (of == name) return force[component];
   ADD_FAILURE() << "no reaction " << name;
@@ -96,7 +96,7 @@ TEST(Mullins, CyclesAreThoseOfTheClosedForm) {
         go_to(simulation, ++time);
         const Frame frame = simulation.frame();
         EXPECT_NEAR(1 + frame.probes[0].displacement.z(), row["free_stretch"].get<double>(), 1e-9);
-        EXPECT_NEAR(reaction_of(frame, "pulled 0", 0), row["P11"].get<double>(), 1e-9 * 1e6);
+        EXPECT_NEAR(force_of(frame, "pulled 0", 0), row["P11"].get<double>(), 1e-9 * 1e6);
         const double most = row["W_max"];
         EXPECT_NEAR(simulation.state().history.maxCoeff(), most, 1e-9 * most);
       }
@@ -123,7 +123,7 @@ TEST(Mullins, OfAHalfSectionIsThatOfTheSolid) {
     for (const auto& row : reference["uniaxial"]) {
       go_to(simulation, ++time);
       EXPECT_NEAR(1 + simulation.frame().probes[0].displacement.x(), row["free_stretch"].get<double>(), 1e-9);
-      EXPECT_NEAR(reaction_of(simulation.frame(), "pulled", 1), std::numbers::pi * row["P11"].get<double>(),
+      EXPECT_NEAR(force_of(simulation.frame(), "pulled", 1), std::numbers::pi * row["P11"].get<double>(),
                   1e-9 * 3e6);
     }
   }
