@@ -127,8 +127,8 @@ TEST(SpaceError, SeesWhatOnePressurePerCellMisses) {
 TEST(SpaceError, TellsAPartOfErrorsThatCancel) {
   EXPECT_DOUBLE_EQ((SpaceError::Change{3, -1}.total()), 2);
   EXPECT_DOUBLE_EQ((SpaceError::Change{1, -3}.total()), -2);
-  EXPECT_DOUBLE_EQ((SpaceError::Change{4, -3.9}.total()), 0.1 * 7.9);
-  EXPECT_DOUBLE_EQ((SpaceError::Change{4, -4.1}.total()), -0.1 * 8.1);
+  EXPECT_DOUBLE_EQ((SpaceError::Change{4, -3.9}.total()), 0.2 * 7.9);
+  EXPECT_DOUBLE_EQ((SpaceError::Change{4, -4.1}.total()), -0.2 * 8.1);
 }
 
 TEST(SpaceError, IsToldForBendingByEveryElement) {

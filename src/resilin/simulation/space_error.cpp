@@ -24,7 +24,7 @@ constexpr int most_saddle_iterations = 100;  ///< iterations of the minimum resi
 constexpr double saddle_tolerance = 0.1;     ///< the estimate is off by its square
 /// The least share of the sizes of both changes that is told where they cancel. This and the next two were
 /// measured on random bars and blocks (docs/theory/discretisation.md).
-constexpr double least_share_left = 0.1;
+constexpr double least_share_left = 0.2;
 /// Cubic functions find less than all of what P2P0 lacks, linear pressures more: no quadratic ones answer
 /// them.
 constexpr double whole_of_cubic = 1.1, whole_of_linear_pressures = 0.9;
