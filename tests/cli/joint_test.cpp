@@ -1,10 +1,11 @@
-// Joints, springs and cables, from the scene file to the report.
+// Joints, from the scene file to the report.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "resilin/core/types.hpp"
 #include "scene_runs.hpp"
 
 namespace resilin::testing {
@@ -423,7 +424,7 @@ TEST_F(Joints, RefuseKeysThatAreNotTheirs) {
   EXPECT_THAT(error(slider + "motor = { torque = 1 }"), HasSubstr("the motor of a slider has a force"));
   EXPECT_THAT(error(slider + "motor = { force = 1, velocity = 1 }"), HasSubstr("one of position, velocity"));
   EXPECT_THAT(error(slider + "motor = { force = 1, stiffness = 1 }"), HasSubstr("has no stiffness"));
-  EXPECT_THAT(error(slider + "limits = [0.1, 1]"), HasSubstr("lowest <= 0 <= highest"));
+  EXPECT_THAT(error(slider + "limits = [0.1, 1]"), HasSubstr("with 0 among them, got [0.1, 1]"));
   EXPECT_THAT(error(slider + "rest = 0.1"), HasSubstr("give stiffness, too"));
   EXPECT_THAT(error("kind = \"hinge\"\naxis = [1, 0, 0]\nlimits = [-4, 4]"),
               HasSubstr("less than a turn apart"));

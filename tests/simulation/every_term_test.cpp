@@ -182,6 +182,9 @@ void add_arm(Description& scene) {
   shortened.shortening = 0.3;
   shortened.tension_only = true;
   shortened.time_function = swings;
+  CableDescription& rubbing = add("rubbing cable", {on_ground, on_arm, on_bar}, scene.cables);
+  rubbing.tension = 4;
+  rubbing.friction = 0.3;
 }
 
 struct TermCase {

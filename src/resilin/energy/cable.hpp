@@ -4,18 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "resilin/energy/dead_load.hpp"
+#include "resilin/energy/cable_path.hpp"
 
 namespace resilin {
-
-/// A point that nodes carry, or one of the ground.
-struct CarriedPoint {
-  std::vector<WeightedNode> nodes{};  ///< weights sum to one; empty: the ground
-  Vector3 place = Vector3::Zero();    ///< place on the ground, zero for a point that nodes carry [m]
-
-  /// The place plus the weighted sum of node positions [m].
-  Vector3 at(int dim, const VectorX& x) const;
-};
 
 /// A cable through points, or a spring between two: an energy of the length l of the polygon,
 ///
@@ -51,10 +42,10 @@ class Cable final : public BasicEnergy {
                                     const Conditions& after) const override;
   void add_held_directions(const VectorX& x, std::vector<HeldDirection>& held) const override;
 
-  double length(const VectorX& x) const;
+  double length(const VectorX& x) const { return path_.length(x); }
   /// Negative where a spring pushes [N].
   double force(const VectorX& x, const Conditions& c) const { return slope(length(x), c); }
-  const std::vector<CarriedPoint>& points() const { return points_; }
+  const CablePath& path() const { return path_; }
   /// Direction from the first point to the second.
   Vector3 first_direction(const VectorX& x) const;
 
@@ -62,16 +53,11 @@ class Cable final : public BasicEnergy {
   double stretch(double length, const Conditions& c) const;
   double slope(double length, const Conditions& c) const;
   double curvature(double length, const Conditions& c) const;
-  /// The vectors of the pieces; a piece without length pulls nowhere.
-  std::vector<Vector3> pieces(const VectorX& x) const;
-  /// dl/dp at each point.
-  std::vector<Vector3> pulls(const VectorX& x) const;
-  /// The block times both weights at all pairs of nodes of points i and j.
-  void add_blocks(std::size_t i, std::size_t j, const Matrix<3>& block, BlockMatrix& hessian) const;
+  /// A factor for each piece.
+  std::vector<double> each(double factor) const { return std::vector<double>(path_.num_pieces(), factor); }
 
   std::string name_;
-  int dim_;
-  std::vector<CarriedPoint> points_;
+  CablePath path_;
   Law law_;
 };
 

@@ -110,8 +110,11 @@ Json frame_json(const Frame& frame, int dimension) {
              {"gap", joint.gap}};
     if (joint.angle) entry["angle"] = *joint.angle;
   }
-  for (const Frame::CableForce& cable : frame.cables)
-    json["cables"][cable.name] = {{"force", cable.force}, {"length", cable.length}};
+  for (const Frame::CableForce& cable : frame.cables) {
+    Json& entry = json["cables"][cable.name];
+    entry = {{"force", cable.force}, {"length", cable.length}};
+    if (!cable.tensions.empty()) entry["tensions"] = cable.tensions;
+  }
   for (const auto& [body, region, elastic_energy] : frame.regions)
     json["regions"][body][region]["energy"] = elastic_energy;
   json["sections"] = Json::object();

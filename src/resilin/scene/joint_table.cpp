@@ -1,6 +1,8 @@
 #include <numbers>
 #include <utility>
 
+#include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/scene/tables.hpp"
 
 namespace resilin {
@@ -102,9 +104,14 @@ Keys<JointDescription> joint_keys() {
              [](const SceneNode& node, J& j) {
                expect_list(node, "[lowest, highest]");
                const std::size_t count = node.value->array().size();
-               for (std::size_t i = 0; i < count; ++i) j.limits.push_back(read_number(node.element(i)));
+               std::vector<std::string> numbers;
+               for (std::size_t i = 0; i < count; ++i) {
+                 j.limits.push_back(read_number(node.element(i)));
+                 numbers.push_back(format_number(j.limits.back()));
+               }
                if (count != 2 || !(j.limits[0] <= 0 && j.limits[1] >= 0 && j.limits[0] < j.limits[1]))
-                 node.fail("two numbers, lowest <= 0 <= highest: the value is 0 as the bodies are placed");
+                 throw InputError(node.place(), "two numbers, lowest < highest, with 0 among them",
+                                  "[" + join(numbers) + "]", "the value is 0 as the bodies are placed");
              }),
       key<J>({"motor", "[joint.motor](#jointmotor)", "", "none",
               "Hinge and slider: moves it by a position, a velocity, a torque or a force."},
@@ -179,15 +186,18 @@ Keys<CableDescription> cable_keys() {
   using C = CableDescription;
   return {
       text_key("name", &C::name, "cable[0] ...", "Name in the report."),
-      points_key("Its ends and the guides between them in order, through which it slides without friction. "
+      points_key("Its ends and the guides between them in order, through which it slides. "
                  "On a deformable body the vertex nearest to `at`."),
-      key<C>({"tension", "number >= 0", "N", "none", "Force in the cable, in place of a length."},
+      key<C>({"tension", "number >= 0", "N", "none",
+              "Force in the cable at its first point, in place of a length."},
              [](const SceneNode& node, C& c) { c.tension = read_number(node, not_negative); }),
       number_key("shortening", &C::shortening, "m", any_number,
                  "By how much it is shorter than at rest, without force."),
       key<C>({"stiffness", "number > 0", "N/m", "required without tension",
               "Force for each metre of stretch. A cable never pushes."},
              [](const SceneNode& node, C& c) { c.stiffness = read_number(node, positive); }),
+      number_key("friction", &C::friction, "", not_negative,
+                 "Coulomb friction coefficient at the guides ([friction](rigid.md#springs-and-cables))."),
       key<C>({"time_function", "[time_function](#time_function)", "", "none",
               "Factor on tension or shortening in place of the load factor."},
              [](const SceneNode& node, C& c) { read_time_function(node, c.time_function); }),

@@ -86,7 +86,7 @@ std::vector<TableDoc> scene_tables() {
           "Spring between two points of bodies or of the ground ([springs](rigid.md#springs-and-cables)).",
           spring_keys()),
       document("[[cable]]",
-               "Cable (tendon) through points of bodies, with one tension "
+               "Cable (tendon) through points of bodies, pulled at the first one "
                "([cables](rigid.md#springs-and-cables)).",
                cable_keys()),
       where_doc(),

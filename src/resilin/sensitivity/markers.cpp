@@ -11,12 +11,7 @@
 namespace resilin {
 
 const Body& body_named(const World& world, const std::string& name, const std::string& place) {
-  std::vector<std::string> names;
-  for (const Body& body : world.bodies) {
-    if (body.name == name || (name.empty() && world.bodies.size() == 1)) return body;
-    names.push_back(body.name);
-  }
-  refuse_word(place, name, names);
+  return world.bodies[find_body(world, name, place)];
 }
 
 const Probe& probe_named(const World& world, const std::string& name, const std::string& place) {

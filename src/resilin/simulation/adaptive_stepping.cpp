@@ -56,8 +56,7 @@ double largest_free_distance(const World& world, const VectorX& vectors) {
 VectorX contact_accelerations(const World& world, const State& state) {
   const VectorX& x = state.positions;
   VectorX gradient = Potential::at(world, state).impulses(x);
-  if (const auto friction = friction_of(world, state))
-    friction->add_gradient(x, conditions_of(state), gradient);
+  add_friction_forces(world, state, gradient);
   return accelerations_by(world, -gradient);
 }
 

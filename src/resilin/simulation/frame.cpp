@@ -163,10 +163,13 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
 
   for (const Body& body : world.bodies)
     if (body.rigid) frame.rigid_bodies.push_back(rigid_motion(world, body, state));
-  for (const auto& cable : world.cables)
-    frame.cables.push_back({.name = std::string(cable->name()),
-                            .force = cable->force(state.positions, conditions),
-                            .length = cable->length(state.positions)});
+  for (std::size_t k = 0; k < world.cables.size(); ++k) {
+    const Cable& cable = *world.cables[k];
+    frame.cables.push_back({.name = std::string(cable.name()),
+                            .force = cable.force(state.positions, conditions),
+                            .length = cable.length(state.positions)});
+    if (cable.path().num_pieces() > 1) frame.cables.back().tensions = cable_tensions(world, state, k);
+  }
 
   if (world.contact) frame.contacts = world.contact->body_contacts(state.positions, conditions);
 
@@ -176,7 +179,7 @@ Frame measure_frame(const World& world, const State& state, const VectorX* step_
   VectorX gradient;
   if (step_gradient == nullptr) {
     potential.gradient(state.positions, gradient);
-    if (friction) friction->add_gradient(state.positions, conditions, gradient);
+    add_friction_forces(world, state, gradient);
     step_gradient = &gradient;
   }
   for (const Support& support : world.supports) frame.reactions.emplace_back(support.name, Vector3::Zero());

@@ -40,8 +40,9 @@ struct Frame {
   /// A spring or a cable.
   struct CableForce {
     std::string name;
-    double force = 0;   ///< its tension; negative where a spring pushes [N]
-    double length = 0;  ///< [m]
+    double force = 0;                ///< its tension at the first point; negative where a spring pushes [N]
+    double length = 0;               ///< [m]
+    std::vector<double> tensions{};  ///< tensions of its pieces; empty: there is one [N]
   };
 
   struct ModeValues {

@@ -137,8 +137,7 @@ void Simulation::switch_supports_now() {
   if (!world_.is_dynamic) {
     const Potential potential = Potential::at(world_, state_);
     potential.gradient(state_.positions, gradient);
-    if (const auto friction = friction_of(world_, state_))
-      friction->add_gradient(state_.positions, conditions_of(state_), gradient);
+    add_friction_forces(world_, state_, gradient);
     // Forces that are only rounding could not fade: a search would have no digits to balance them.
     drop_rounding(world_, potential, state_.positions, gradient);
   }

@@ -23,11 +23,7 @@ constexpr double between_bodies = 10;
 constexpr double share_of_gap = 0.5;
 
 Index body_called(const World& world, const std::string& name, const std::string& place) {
-  std::vector<std::string> names;
-  for (const Body& body : world.bodies) names.push_back(body.name);
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) refuse_word(place + ".bodies", name, names);
-  return static_cast<Index>(found - names.begin());
+  return static_cast<Index>(find_body(world, name, place + ".bodies"));
 }
 
 BodyMeetings meetings_of(const ContactDescription& description, const World& world) {

@@ -340,6 +340,7 @@ struct CableDescription {
   bool tension_only = false;
   std::optional<double> tension;  ///< in place of a stiffness, at a factor 1 [N]
   double shortening = 0;          ///< change of the rest length at a factor 1 [m]
+  double friction = 0;            ///< Coulomb friction coefficient at guides
   TimeFunction time_function;
 };
 

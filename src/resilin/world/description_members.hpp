@@ -51,7 +51,7 @@ RESILIN_MEMBERS(JointDescription, place, name, kind, bodies, at, axis, second_ax
                 damping, limits, motor)
 RESILIN_MEMBERS(AnchorDescription, place, body, at)
 RESILIN_MEMBERS(CableDescription, place, name, points, stiffness, rest_length, tension_only, tension,
-                shortening, time_function)
+                shortening, friction, time_function)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
 RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)

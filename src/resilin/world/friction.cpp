@@ -50,6 +50,19 @@ std::shared_ptr<const Friction> make_friction(const ContactDescription& descript
   return std::make_shared<Friction>(world.dimension, std::move(sources), speed, std::move(factors));
 }
 
+std::shared_ptr<CableFriction> make_cable_friction(const CableDescription& description,
+                                                   const std::shared_ptr<const Cable>& cable,
+                                                   const ContactDescription& contact, World& world) {
+  check_friction(description.friction, description.place + ".friction", world);
+  if (description.friction == 0) return nullptr;
+  if (description.points.size() < 3)
+    throw InputError(description.place + ".friction", "a cable with guides between its ends", "two points",
+                     "name points between them, or leave friction out");
+  const double speed = contact.friction_speed.value_or(default_friction_speed(world));
+  require_positive(speed, contact.place + ".friction_speed");
+  return std::make_shared<CableFriction>(cable, description.friction, speed);
+}
+
 double default_friction_speed(const World& world) { return friction_speed_share * smallest_extent(world); }
 
 Stage stage_of(const World& world, const State& state) {
@@ -72,6 +85,26 @@ std::unique_ptr<const LaggedFriction> friction_of(const World& world, const Stat
   auto friction = std::make_unique<LaggedFriction>(*world.friction, stage);
   friction->form_lag(state.positions, conditions_of(state));
   return friction;
+}
+
+void add_friction_forces(const World& world, const State& state, VectorX& gradient) {
+  const Conditions c = conditions_of(state);
+  if (const auto friction = friction_of(world, state)) friction->add_gradient(state.positions, c, gradient);
+  for (const auto& cable : world.cable_frictions) {
+    const std::unique_ptr<Energy> friction = cable ? cable->begin_stage(stage_of(world, state)) : nullptr;
+    if (!friction) continue;
+    friction->lagged_term()->form_lag(state.positions, c);
+    friction->add_gradient(state.positions, c, gradient);
+  }
+}
+
+std::vector<double> cable_tensions(const World& world, const State& state, std::size_t cable) {
+  const Conditions c = conditions_of(state);
+  const Stage stage = stage_of(world, state);
+  if (world.cable_frictions[cable] && stage.time_of_slip() > 0)
+    return LaggedCableFriction(*world.cable_frictions[cable], stage).tensions(state.positions, c);
+  const Cable& of = *world.cables[cable];
+  return std::vector<double>(of.path().num_pieces(), of.force(state.positions, c));
 }
 
 }  // namespace resilin

@@ -343,8 +343,12 @@ void Builder::add_joints() {
   const auto add = [&](const std::vector<CableDescription>& list, TermOrigin::Kind kind) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       std::shared_ptr<Cable> cable = make_cable(list[i], world_);
+      std::shared_ptr<CableFriction> friction =
+          make_cable_friction(list[i], cable, description_.contact, world_);
       world_.cables.push_back(cable);
+      world_.cable_frictions.push_back(friction);
       add_coupled(std::move(cable), {kind, i});
+      if (friction) add_coupled(std::move(friction), {kind, i, 1});
     }
   };
   add(description_.springs, TermOrigin::Kind::spring);
@@ -530,7 +534,8 @@ std::size_t find_body(const World& world, const std::string& name, const std::st
     if (world.bodies[b].name == name || (name.empty() && world.bodies.size() == 1)) return b;
     names.push_back(world.bodies[b].name);
   }
-  throw InputError(place, "one of " + join(names), name.empty() ? "nothing" : "\"" + name + "\"");
+  if (name.empty()) throw InputError(place, "one of " + join(names), "nothing");
+  refuse_word(place, name, names);
 }
 
 std::optional<std::size_t> World::find_term(const TermOrigin& of) const {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "resilin/contact/cable_friction.hpp"
 #include "resilin/contact/collider_barrier.hpp"
 #include "resilin/contact/friction.hpp"
 #include "resilin/contact/obstacle_contact.hpp"
@@ -180,6 +181,8 @@ class World {
   std::vector<std::pair<TermOrigin, double>> shorter_distances;
   std::vector<Joint> joints;
   std::vector<std::shared_ptr<const Cable>> cables;  ///< springs, then cables
+  std::vector<std::shared_ptr<const CableFriction>>
+      cable_frictions;  ///< friction of each of them; null: none
   /// The unknowns that follow from others by these; null: none.
   const Dependents* dependents() const;
 
