@@ -89,8 +89,8 @@ int fit_prony(RelaxationDescription description, const FitOptions& options, cons
     print_text(relaxation_json_text(found));
   } else if (!options.quiet) {
     print_text(relaxation_text(found));
-    print_line("\n" + one_line((folder / "material.toml").string()) + " and fit.json are written; " +
-               format_seconds(watch.seconds()));
+    print_line("\n" + one_line((folder / "fit.html").string()) +
+               ", material.toml and fit.json are written; " + format_seconds(watch.seconds()));
   }
   return done;
 }
@@ -121,7 +121,9 @@ void add_fit(CommandLine& line, Action& action) {
   const Command command = line.command(
       "fit",
       "Calibrate material models from tests, or identify parameters of scenes from markers and forces");
-  command.option("data", options->data, "File of tests, or of experiments with their scenes (.toml)")
+  command
+      .option("data", options->data,
+              "File of tests, of a relaxation, or of experiments with their scenes (.toml)")
       .is_file({"toml"});
   command.option("--laws", options->laws, "Constitutive models to fit, or all; default: those of the file")
       .separated_by(',')
@@ -141,7 +143,7 @@ void add_fit(CommandLine& line, Action& action) {
   command.footer(
       "A file with [[test]] fits models to homogeneous tests and ranks them. One with [[experiment]] and\n"
       "[[parameter]] identifies parameters of scenes from displacements of markers, reactions and "
-      "probes,\nand prints one line per solve.\n"
+      "probes,\nand prints one line per solve. One with [relaxation] gives a Prony series.\n"
       "Examples:\n  resilin fit examples/fit_rubber.toml --laws yeoh,ogden2\n"
       "  resilin fit examples/fit_bar.toml\n\n"
       "Exit codes: 0 fitted; 1 the data are wrong; 2 the search did not converge.");

@@ -3,9 +3,10 @@
 Material    a constitutive model for arrays of deformation gradients: energy, stress, tangent, forces Elastic     the
 elastic energy of a mesh: value, gradient, Hessian Simulation  a scene step by step; `run` simulates it to the end
 LiveScene   an interactive scene: drag, pin and poke it while it moves Mesh        meshes from arrays, files, meshio
-objects and generators fit         calibration of constitutive models from tests, with confidence intervals fit_scenes
-parameter identification: numbers of scenes from markers, reactions and probes value_and_gradient   an objective of a
-scene and its exact gradient (adjoint) find_rest_shape  inverse design: the stress-free shape that deforms into the
+objects and generators fit         calibration of constitutive models from tests, with confidence intervals
+fit_relaxation  Prony series from relaxation or dynamic tests fit_scenes parameter identification: numbers of scenes
+from markers, reactions and probes value_and_gradient   an objective of a scene and its exact gradient (adjoint)
+find_rest_shape  inverse design: the stress-free shape that deforms into the
 drawn shape sweep       parameter sweeps, local or on a Dask cluster embed       interpolation weights of points
 embedded in a mesh
 """
@@ -26,6 +27,7 @@ from resilin.live import LiveScene
 from resilin.material import Material
 from resilin.mesh import Mesh, MeshReport, read_mesh
 from resilin.picture import Picture, picture
+from resilin.relaxation_fit import RelaxationFit, fit_relaxation
 from resilin.rest_shape import RestShape, find_rest_shape
 from resilin.result import Result, Step
 from resilin.scene_check import SceneCheck, check
@@ -48,6 +50,7 @@ __all__ = [
     "Mesh",
     "MeshReport",
     "Picture",
+    "RelaxationFit",
     "RestShape",
     "Result",
     "SceneCheck",
@@ -60,6 +63,7 @@ __all__ = [
     "embed",
     "find_rest_shape",
     "fit",
+    "fit_relaxation",
     "fit_scenes",
     "gradient",
     "laws",

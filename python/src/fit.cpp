@@ -67,6 +67,17 @@ nb::typed<nb::dict, nb::str, nb::any> fit_experiments(const SceneFitDescription&
   return result;
 }
 
+/// Prony series of a relaxation, as texts.
+nb::typed<nb::dict, nb::str, nb::str> fit_prony(const RelaxationDescription& description) {
+  const RelaxationFit found = fit_relaxation(description);
+  nb::dict result;
+  result["json"] = relaxation_json_text(found);
+  result["text"] = relaxation_text(found);
+  result["material"] = relaxation_toml(found);
+  result["page"] = relaxation_page(found);
+  return result;
+}
+
 }  // namespace
 
 void bind_fit(nb::module_& module) {
@@ -85,6 +96,18 @@ void bind_fit(nb::module_& module) {
       "fit_values",
       [](nb::handle values, const std::vector<std::string>& overrides) {
         return fit(read_fit_from_values(scene_value(values), "data", "", overrides));
+      },
+      nb::arg("values"), nb::arg("overrides"));
+  module.def(
+      "fit_relaxation_file",
+      [](const std::string& path, const std::vector<std::string>& overrides) {
+        return fit_prony(read_relaxation(path, overrides));
+      },
+      nb::arg("path"), nb::arg("overrides"));
+  module.def(
+      "fit_relaxation_values",
+      [](nb::handle values, const std::vector<std::string>& overrides) {
+        return fit_prony(read_relaxation_from_values(scene_value(values), "data", "", overrides));
       },
       nb::arg("values"), nb::arg("overrides"));
   module.def(

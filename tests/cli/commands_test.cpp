@@ -294,6 +294,21 @@ TEST_F(Commands, FitFindsNumbersOfScenesAndTellsEachSolve) {
   EXPECT_THAT(run({"run", example}).err, HasSubstr("this is a fit file"));
 }
 
+TEST_F(Commands, FitFindsThePronySeriesOfARelaxation) {
+  folder.write("silicone.toml",
+               "title = \"Silicone\"\n[relaxation]\ntime = [0.1, 0.5, 1, 2, 5, 10, 50, 100]\n"
+               "modulus = [360, 311, 298, 287, 270, 255, 233, 225]\n");
+  const ProgramResult result = run({"fit", "silicone.toml"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("8 times of the lists"), HasSubstr("relaxation time tau [s]"),
+                                HasSubstr("out/silicone/fit.html, material.toml and fit.json")));
+  const nlohmann::json json = read_json(folder / "out/silicone/fit.json");
+  EXPECT_EQ(json["g"].size(), json["tau"].size());
+  EXPECT_THAT(folder.read("out/silicone/fit.html"), HasSubstr("<svg"));
+  EXPECT_THAT(folder.read("out/silicone/material.toml"), HasSubstr("\nviscoelastic = { g = ["));
+  EXPECT_EQ(run({"fit", "silicone.toml", "--json", "--set", "relaxation.branches=9"}).exit_code, 1);
+}
+
 TEST_F(Commands, TakeTheNumberOfThreadsFromTheEnvironmentOrRefuseItInOneLine) {
   const auto info_with = [&](const std::string& threads) {
     return run_program(folder.path(), {"info", "--json"}, {"RESILIN_THREADS=" + threads});

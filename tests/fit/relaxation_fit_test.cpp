@@ -112,6 +112,23 @@ TEST_F(RelaxationFile, BecomesATableForAMaterial) {
   EXPECT_THAT(text, HasSubstr("\nviscoelastic = { g = [0."));
   EXPECT_THAT(text, HasSubstr("moduli = \"long_term\""));
   EXPECT_THAT(relaxation_text(fit), HasSubstr("5 times of a.csv"));
+  std::ifstream written(folder.path() / "out" / "fit.html");
+  const std::string page((std::istreambuf_iterator<char>(written)), {});
+  EXPECT_THAT(page, HasSubstr("<title>R</title>"));
+  EXPECT_THAT(page, HasSubstr("5 times of a.csv"));
+  EXPECT_THAT(page, HasSubstr("<path class=\"line\""));
+  std::size_t circles = 0;  // a time of 0 has no place on a logarithmic axis
+  for (std::size_t at = page.find("<circle"); at != page.npos; at = page.find("<circle", at + 1)) ++circles;
+  EXPECT_EQ(circles, 4U);
+}
+
+TEST_F(RelaxationFile, OfADynamicTestHasTwoPictures) {
+  RelaxationDescription data = RelaxingRubber().shaken();
+  data.tau = RelaxingRubber().tau;
+  const std::string page = relaxation_page(fit_relaxation(data));
+  EXPECT_THAT(page, HasSubstr("storage modulus"));
+  EXPECT_THAT(page, HasSubstr("loss modulus"));
+  EXPECT_THAT(page, HasSubstr("frequency [Hz]"));
 }
 
 TEST_F(RelaxationFile, OfBadInputIsRefusedInOneLine) {

@@ -151,7 +151,8 @@ AnyFit read_any_fit_from_values(SceneValue values, const std::string& name,
 FitDescription of_tests(AnyFit fit) {
   if (auto* tests = std::get_if<FitDescription>(&fit)) return std::move(*tests);
   if (auto* relaxation = std::get_if<RelaxationDescription>(&fit))
-    throw InputError(relaxation->place, "[[test]]", "[relaxation]", "take the command line: resilin fit");
+    throw InputError(relaxation->place, "[[test]]", "[relaxation]",
+                     "a relaxation is fitted by fit_relaxation, in Python resilin.fit_relaxation");
   throw InputError(std::get<SceneFitDescription>(fit).place, "[[test]]", "[[experiment]]",
                    "whole scenes are fitted by fit_scenes");
 }
@@ -160,12 +161,30 @@ SceneFitDescription of_scenes(AnyFit fit) {
   if (auto* scenes = std::get_if<SceneFitDescription>(&fit)) return std::move(*scenes);
   if (auto* relaxation = std::get_if<RelaxationDescription>(&fit))
     throw InputError(relaxation->place, "[[experiment]]", "[relaxation]",
-                     "take the command line: resilin fit");
+                     "a relaxation is fitted by fit_relaxation, in Python resilin.fit_relaxation");
   throw InputError(std::get<FitDescription>(fit).place, "[[experiment]]", "[[test]]",
                    "homogeneous tests are fitted by fit_materials, in Python resilin.fit");
 }
 
+RelaxationDescription of_relaxation(AnyFit fit) {
+  if (auto* relaxation = std::get_if<RelaxationDescription>(&fit)) return std::move(*relaxation);
+  const auto* tests = std::get_if<FitDescription>(&fit);
+  throw InputError(tests ? tests->place : std::get<SceneFitDescription>(fit).place, "[relaxation]",
+                   tests ? "[[test]]" : "[[experiment]]");
+}
+
 }  // namespace
+
+RelaxationDescription read_relaxation(const std::filesystem::path& path,
+                                      const std::vector<std::string>& overrides) {
+  return of_relaxation(read_any_fit(path, overrides));
+}
+
+RelaxationDescription read_relaxation_from_values(SceneValue values, const std::string& name,
+                                                  const std::filesystem::path& folder,
+                                                  const std::vector<std::string>& overrides) {
+  return of_relaxation(read_any_fit_from_values(std::move(values), name, folder, overrides));
+}
 
 FitDescription read_fit_from_values(SceneValue values, const std::string& name,
                                     const std::filesystem::path& folder,

@@ -21,10 +21,13 @@ using AnyFit = std::variant<FitDescription, SceneFitDescription, RelaxationDescr
 /// columns of its CSV files, in SI units. `overrides` as in `read_scene`. Throws InputError.
 AnyFit read_any_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
-/// A fit of homogeneous tests alone, or of experiments alone: the other is refused.
+/// A fit of homogeneous tests, of experiments or of a relaxation alone: the others are refused.
 FitDescription read_fit(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 SceneFitDescription read_scene_fit(const std::filesystem::path& path,
                                    const std::vector<std::string>& overrides = {});
+
+RelaxationDescription read_relaxation(const std::filesystem::path& path,
+                                      const std::vector<std::string>& overrides = {});
 
 /// The same from values, such as a Python dict; `folder` is where relative paths begin.
 FitDescription read_fit_from_values(SceneValue values, const std::string& name,
@@ -33,6 +36,10 @@ FitDescription read_fit_from_values(SceneValue values, const std::string& name,
 SceneFitDescription read_scene_fit_from_values(SceneValue values, const std::string& name,
                                                const std::filesystem::path& folder,
                                                const std::vector<std::string>& overrides = {});
+
+RelaxationDescription read_relaxation_from_values(SceneValue values, const std::string& name,
+                                                  const std::filesystem::path& folder,
+                                                  const std::vector<std::string>& overrides = {});
 
 /// The page docs/fit_keys.md: every key of such a file.
 std::string fit_reference();

@@ -79,14 +79,6 @@ std::string list_text(const std::vector<double>& values) {
   return "[" + join(texts) + "]";
 }
 
-std::string line_of_errors(const RelaxationFit& fit) {
-  const RelaxationDescription& d = fit.description;
-  return std::to_string(d.times.size() + d.frequencies.size()) +
-         (d.times.empty() ? " frequencies" : " times") + " of " + d.source +
-         "; errors relative to the modulus: " + format_short(100 * fit.rms_error) +
-         " % (root mean square), " + format_short(100 * fit.largest_error) + " % (largest)";
-}
-
 }  // namespace
 
 double RelaxationFit::instantaneous() const { return std::accumulate(parts.begin(), parts.end(), long_term); }
@@ -131,13 +123,21 @@ RelaxationFit fit_relaxation(RelaxationDescription description) {
   return fit;
 }
 
+std::string relaxation_errors_text(const RelaxationFit& fit) {
+  const RelaxationDescription& d = fit.description;
+  return std::to_string(d.times.size() + d.frequencies.size()) +
+         (d.times.empty() ? " frequencies" : " times") + " of " + d.source +
+         "; errors relative to the modulus: " + format_short(100 * fit.rms_error) +
+         " % (root mean square), " + format_short(100 * fit.largest_error) + " % (largest)";
+}
+
 std::string relaxation_text(const RelaxationFit& fit) {
   std::vector<std::vector<std::string>> rows = {{"share g", "relaxation time tau [s]"}};
   const std::vector<double> shares = fit.shares();
   for (std::size_t k = 0; k < shares.size(); ++k)
     rows.push_back({format_short(shares[k]), format_short(fit.tau[k])});
-  return (fit.description.title.empty() ? "" : fit.description.title + "\n") + line_of_errors(fit) + "\n" +
-         format_table(rows) + "modulus under a sudden load: " + format_short(fit.instantaneous()) +
+  return (fit.description.title.empty() ? "" : fit.description.title + "\n") + relaxation_errors_text(fit) +
+         "\n" + format_table(rows) + "modulus under a sudden load: " + format_short(fit.instantaneous()) +
          ", after a long time: " + format_short(fit.long_term) + ", in the unit of the data\n";
 }
 
@@ -155,17 +155,20 @@ std::string relaxation_json_text(const RelaxationFit& fit) {
 
 std::string relaxation_toml(const RelaxationFit& fit) {
   const std::string tau = ", tau = " + list_text(fit.tau);
-  return "# " + line_of_errors(fit) +
+  return "# " + relaxation_errors_text(fit) +
          ".\n# To be pasted into a material whose constants are those under a sudden load:\nviscoelastic = { "
          "g = " +
          list_text(fit.shares()) + tau +
          " }\n\n# Where they are those after a long time, as of slow tests:\n# viscoelastic = { g = " +
-         list_text(fit.shares(/*of_long_term=*/true)) + tau + ", moduli = \"long_term\" }\n";
+         list_text(fit.shares(/*of_long_term=*/true)) + tau +
+         ", moduli = \"long_term\" }\n\n# The data are of one modulus: shares k of the bulk modulus are not "
+         "fitted.\n";
 }
 
 void write_relaxation(const RelaxationFit& fit, const std::filesystem::path& folder) {
   make_fit_folder(folder);
   write_text(folder / "fit.json", relaxation_json_text(fit));
+  write_text(folder / "fit.html", relaxation_page(fit));
   write_text(folder / "material.toml", relaxation_toml(fit));
 }
 

@@ -33,11 +33,15 @@ struct RelaxationFit {
 RelaxationFit fit_relaxation(RelaxationDescription description);
 
 std::string relaxation_text(const RelaxationFit& fit);
+/// "41 times of a.csv; errors relative to the modulus: ..."
+std::string relaxation_errors_text(const RelaxationFit& fit);
 /// As text of a fit.json, in the unit of the data.
 std::string relaxation_json_text(const RelaxationFit& fit);
 /// viscoelastic = { ... }, to be pasted into a material.
 std::string relaxation_toml(const RelaxationFit& fit);
-/// fit.json and material.toml. Throws FileError.
+/// One page, without a network: data, curve and table.
+std::string relaxation_page(const RelaxationFit& fit);
+/// fit.json, fit.html and material.toml. Throws FileError.
 void write_relaxation(const RelaxationFit& fit, const std::filesystem::path& folder);
 
 }  // namespace resilin
