@@ -89,8 +89,10 @@ class Dice {
             list([this] { return list([this] { return vector(); }); }),
             number(),
             maybe([this] {
-              return ViscoelasticDescription{text(), numbers(), numbers(), static_cast<Moduli>(whole(2))};
-            })};
+              return ViscoelasticDescription{text(), numbers(), numbers(), numbers(),
+                                             static_cast<Moduli>(whole(2))};
+            }),
+            maybe([this] { return MullinsDescription{text(), number(), number(), number()}; })};
   }
   BodyDescription body() {
     BodyDescription body;
