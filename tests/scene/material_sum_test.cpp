@@ -92,7 +92,9 @@ TEST(MaterialOfASum, IsTheLawOfWhichItHasTheHalves) {
       if (relaxes) one.push_back(series), two.push_back(series);
       const Vector3 expected = tip_of(one), tip = tip_of(two);
       EXPECT_LT((tip - expected).norm(), 1e-9 * expected.norm()) << element << relaxes;
-      if (relaxes) EXPECT_GT((tip - elastic).norm(), 0.01 * elastic.norm());
+      if (relaxes) {
+        EXPECT_GT((tip - elastic).norm(), 0.01 * elastic.norm());
+      }
       elastic = tip;
     }
   }
