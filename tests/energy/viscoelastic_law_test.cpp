@@ -29,7 +29,7 @@ TEST(IsochoricSplit, OfEveryLawWithABulkModulusIsScaledByItsOtherModuli) {
     EXPECT_NEAR(softer.trace(), sigma.trace(), 1e-12 * sigma.norm());
     EXPECT_LT((softer - pressure - 0.37 * (sigma - pressure)).norm(), 1e-12 * sigma.norm());
   }
-  EXPECT_EQ(count, 13);
+  EXPECT_EQ(count, 14);
 }
 
 }  // namespace
