@@ -44,7 +44,7 @@ def test_force_and_stress_relax_to_those_of_the_long_term_moduli():
     del material["viscoelastic"]
     material["shear_modulus"] = 0.5e5
     relaxed = resilin.run(soft)
-    assert (np.diff(force[2:]) < 0).all()
+    assert (np.diff(force[2:]) < 2e-8 * force[-1]).all()  # twice the tolerance of the steps
     assert force[-1] == pytest.approx(relaxed.report["frames"][-1]["reactions"]["grip"][0], rel=1e-6)
     assert energy[-1]["elastic"] == pytest.approx(relaxed.report["frames"][-1]["energy"]["elastic"], rel=1e-6)
     assert energy[-1]["dissipated"] > 0
