@@ -143,7 +143,7 @@ test("arrows show a chosen field of vectors, and the card says how large the lon
     await watched.value("resilin.send({ type: 'reset' })");
     await watched.until("resilin.arrows().count > 20 && resilin.arrows().longest > 1e-3");
     await watched.until(
-      `/longest arrow: velocity .* m.s/.test(document.querySelector("[data-testid=bar-arrows]").textContent)`,
+      `/longest arrow: velocity .*m.s/.test(document.querySelector("[data-testid=bar-arrows]").textContent)`,
     );
     await watched.until("/arrows=velocity/.test(location.hash)");
     await select.selectOption({ label: "displacement" });
