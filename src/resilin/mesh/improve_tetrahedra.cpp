@@ -150,10 +150,8 @@ class TetrahedronImprover {
       for (const double y : {1.0, -1.0})
         for (const double z : {1.0, -1.0}) directions.push_back(Vector3(1, y, z).normalized());
       for (double step = 0.25 * size; step > 0.02 * size; step *= 0.5)
-        for (const Vector3& direction : directions) {
-          const Vector3 from = best;
-          if (!attempt(from + step * direction)) attempt(from - step * direction);
-        }
+        for (const Vector3& direction : directions)
+          if (!attempt(best + step * direction)) attempt(best - step * direction);
     }
     if (best == old) return false;
     x_[static_cast<std::size_t>(v)] = best;

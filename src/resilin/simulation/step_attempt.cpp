@@ -92,6 +92,7 @@ bool TimeStepper::Attempt::keeps_energy(const World& world, const State& start, 
 }
 
 void TimeStepper::Attempt::move(const World& world, State& state, double time_step, double time) && {
+  if (!stages) return;  // nothing was solved
   state.dissipated_energy += dissipation(world, state, end, time_step);
   state.history = std::move(history);
   state.dissipated_energy += history_heat;
