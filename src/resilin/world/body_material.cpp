@@ -119,7 +119,8 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
       term = viscoelastic;
     }
     if (material.mullins) {
-      const auto softened = std::make_shared<MullinsEnergy>(energy, softening(material, law));
+      const auto softened = std::make_shared<MullinsEnergy>(
+          energy, softening(*material.mullins, material.viscoelastic.has_value(), law));
       domain.history = softened;
       term = softened;
     }

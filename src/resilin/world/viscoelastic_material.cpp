@@ -108,9 +108,9 @@ PronySeries prony_series(const ViscoelasticDescription& description, const LawIn
   return series;
 }
 
-Softening softening(const MaterialDescription& material, const LawInfo& law) {
-  const auto& [place, r, m, beta] = *material.mullins;
-  if (material.viscoelastic)
+Softening softening(const MullinsDescription& mullins, bool is_viscoelastic, const LawInfo& law) {
+  const auto& [place, r, m, beta] = mullins;
+  if (is_viscoelastic)
     throw InputError(place, "either viscoelastic or mullins", "both", "leave one of them out");
   if (is_plane_stress(law))
     throw InputError(place, "no Mullins softening in plane stress", '"' + std::string(law.name) + '"',

@@ -23,7 +23,7 @@ PronySeries prony_series(const ViscoelasticDescription& description, const LawIn
 
 /// The softening of a material. Throws InputError for constants out of range, a law without an
 /// isochoric-volumetric split, and viscoelasticity beside it.
-Softening softening(const MaterialDescription& material, const LawInfo& law);
+Softening softening(const MullinsDescription& mullins, bool is_viscoelastic, const LawInfo& law);
 
 /// Whether a body has a material with internal variables, its regions included.
 bool has_history(const BodyDescription& body);
