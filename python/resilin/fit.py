@@ -23,6 +23,15 @@ if TYPE_CHECKING:
     from resilin.typing import AnyPath, Overrides, Scene
 
 
+def write_fit(folder: AnyPath, page: str, content: str, material: str) -> None:
+    """Writes the files of a fit into a folder, which is made if it does not exist."""
+    path = Path(folder)
+    path.mkdir(parents=True, exist_ok=True)
+    (path / "fit.html").write_text(page, encoding="utf-8")
+    (path / "fit.json").write_text(content, encoding="utf-8")
+    (path / "material.toml").write_text(material, encoding="utf-8")
+
+
 @dataclass(frozen=True)
 class FittedConstant:
     """Estimate of one constant, in SI units."""
@@ -119,11 +128,7 @@ class Fit:
         folder : path
             Made if it does not exist.
         """
-        path = Path(folder)
-        path.mkdir(parents=True, exist_ok=True)
-        (path / "fit.html").write_text(self._page, encoding="utf-8")
-        (path / "fit.json").write_text(self._json, encoding="utf-8")
-        (path / "material.toml").write_text(self.material_toml, encoding="utf-8")
+        write_fit(folder, page=self._page, content=self._json, material=self.material_toml)
 
 
 def fit(data: Scene, laws: str | Sequence[str] | None = None, overrides: Overrides = ()) -> Fit:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from resilin import _core
+from resilin.fit import write_fit
 from resilin.scene import of_file_or_dict, override_lines
 
 if TYPE_CHECKING:
@@ -42,11 +42,7 @@ class RelaxationFit:
         folder : path
             Made if it does not exist.
         """
-        path = Path(folder)
-        path.mkdir(parents=True, exist_ok=True)
-        (path / "fit.html").write_text(self._page, encoding="utf-8")
-        (path / "fit.json").write_text(self._json, encoding="utf-8")
-        (path / "material.toml").write_text(self.material_toml, encoding="utf-8")
+        write_fit(folder, page=self._page, content=self._json, material=self.material_toml)
 
 
 def fit_relaxation(data: Scene, overrides: Overrides = ()) -> RelaxationFit:

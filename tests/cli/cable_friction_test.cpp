@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "cable_scenes.hpp"
 #include "resilin/core/text.hpp"
 #include "scene_runs.hpp"
 
@@ -138,30 +139,12 @@ TEST_F(CableFriction, RubAtGuidesInMotionWithEveryIntegrator) {
   }
 }
 
-/// A block on a foot that a cable through its top pulls to the side of x.
-const std::string guided_block = R"(
-[[body]]
-name = "block"
-mesh = { box = { size = [0.1, 0.1, 0.3], cells = [2, 2, 6] } }
-element = "P1"
-material = { law = "neo_hookean", youngs_modulus = 1e5, poissons_ratio = 0.3 }
-
-[[fix]]
-name = "foot"
-where = { group = "z_min" }
-
-[[cable]]
-name = "cable"
-points = [{ at = [0.2, 0.05, 0] }, { body = "block", at = [0.1, 0.05, 0.15] }, { body = "block", at = [0.1, 0.05, 0.3] }]
-tension = 5
-)";
-
 TEST_F(CableFriction, RefuseFrictionWithoutGuides) {
   const std::string two =
-      guided_block.substr(0, guided_block.find(", { body = \"block\", at = [0.1, 0.05, 0.15]")) +
+      pulled_block.substr(0, pulled_block.find(", { body = \"block\", at = [0.1, 0.05, 0.15]")) +
       ", { body = \"block\", at = [0.1, 0.05, 0.3] }]\ntension = 5\n";
   EXPECT_THAT(error_of(two, "cable.0.friction=0.2"), HasSubstr("a cable with guides between its ends"));
-  EXPECT_THAT(error_of(guided_block, "cable.0.friction=-1"), HasSubstr(">= 0"));
+  EXPECT_THAT(error_of(pulled_block, "cable.0.friction=-1"), HasSubstr(">= 0"));
 }
 
 }  // namespace

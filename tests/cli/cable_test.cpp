@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "cable_scenes.hpp"
 #include "scene_runs.hpp"
 
 namespace resilin::testing {
@@ -187,24 +188,6 @@ value = [8, -16, 24]
   EXPECT_THAT(error_of(scene, "spring.0.rest_length=0.1"),
               HasSubstr("points apart, got points in one place"));
 }
-
-/// A block on a foot that a cable through its top pulls to the side of x.
-const std::string pulled_block = R"(
-[[body]]
-name = "block"
-mesh = { box = { size = [0.1, 0.1, 0.3], cells = [2, 2, 6] } }
-element = "P1"
-material = { law = "neo_hookean", youngs_modulus = 1e5, poissons_ratio = 0.3 }
-
-[[fix]]
-name = "foot"
-where = { group = "z_min" }
-
-[[cable]]
-name = "cable"
-points = [{ at = [0.2, 0.05, 0] }, { body = "block", at = [0.1, 0.05, 0.15] }, { body = "block", at = [0.1, 0.05, 0.3] }]
-tension = 5
-)";
 
 TEST_F(Cables, PullWithOneTensionOrByALength) {
   const json by_force = frames_of(pulled_block).back();
