@@ -1,5 +1,6 @@
 #include "control_json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "resilin/core/overloaded.hpp"
@@ -74,6 +75,32 @@ Json control_entries(const LiveControls& initial, double extent, bool has_contac
     entries.push_back(std::move(entry));
   }
   return entries;
+}
+
+Json drive_entries(std::span<const Drive> drives) {
+  Json entries = Json::array();
+  for (const Drive& drive : drives) {
+    const std::string quantity(drive.quantity());
+    constexpr double steps = 200;
+    const double step = std::pow(10, std::floor(std::log10((drive.greatest - drive.least) / steps)));
+    entries.push_back({{"kind", "slider"},
+                       {"key", drive.key},
+                       {"folder", "Motors and cables"},
+                       {"label", drive.name + ", " + quantity},
+                       {"unit", drive.unit()},
+                       {"help", (drive.is_of_cable() ? "Cable \"" : "Motor of the joint \"") + drive.name +
+                                    "\": " + quantity + " in place of the scene's time function"},
+                       {"least", drive.least},
+                       {"greatest", drive.greatest},
+                       {"step", step}});
+  }
+  return entries;
+}
+
+Json drive_values(std::span<const Drive> drives) {
+  Json values = Json::object();
+  for (const Drive& drive : drives) values[drive.key] = drive.is_driven ? drive.goal : drive.value;
+  return values;
 }
 
 Json body_values(const LiveControls& controls) {

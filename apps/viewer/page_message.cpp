@@ -156,6 +156,7 @@ ControlValue read_value(const LiveControl& control, Fields& fields) {
 
 PageMessage read_set(Fields& fields) {
   const std::string key = fields.text("key");
+  if (key.starts_with("drive.")) return SetControl{.value = fields.number("value"), .drive = key};
   const LiveControl* control = find_live_control(key);
   if (control != nullptr) {
     SetControl set{control, read_value(*control, fields)};

@@ -53,9 +53,10 @@ struct Poke {
 };
 struct PokeEnd {};
 struct SetControl {
-  const LiveControl* control = nullptr;  ///< an entry of the table
-  ControlValue value;                    ///< value, of the kind that its form has
+  const LiveControl* control = nullptr;  ///< an entry of the table; null: a drive
+  ControlValue value;                    ///< value, of the kind that its form has; of a drive a number
   std::optional<std::size_t> body = {};  ///< its body; none: all bodies
+  std::string drive = {};                ///< key of a motor or a cable
 };
 struct ChooseField {
   std::string name;    ///< empty: none

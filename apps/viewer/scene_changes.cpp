@@ -113,6 +113,37 @@ void put_loads(SceneValue& scene, const SceneChanges& changes) {
   }
 }
 
+/// The key of a drive's value in its table.
+std::string key_of(const Drive& drive) {
+  switch (drive.kind) {
+    case Drive::Kind::angle:
+    case Drive::Kind::displacement:
+      return "position";
+    case Drive::Kind::angular_velocity:
+      return "velocity";
+    default:
+      return std::string(drive.quantity());
+  }
+}
+
+/// Motors and cables keep the values that they were driven to; in dynamics they go there in a moment.
+void set_drives(SceneValue& scene, const SceneChanges& changes) {
+  const Description& before = *changes.before;
+  for (const Drive& drive : changes.drives) {
+    if (!drive.is_driven) continue;
+    SceneValue& entry = scene.find(drive.is_of_cable() ? "cable" : "joint")->array()[drive.number];
+    SceneValue::Table& table = drive.is_of_cable() ? entry.table() : entry.find("motor")->table();
+    const std::string key = key_of(drive);
+    std::erase_if(
+        table, [&](const SceneMember& member) { return member.key == "time_function" || member.key == key; });
+    table.push_back({key, value_of(drive.goal)});
+    if (!before.is_dynamic || drive.is_rate()) continue;
+    SceneValue::Table ramp = {{"from", value_of(0.0)},
+                              {"until", value_of(std::min(seconds_of_slider, before.end_time))}};
+    table.push_back({"time_function", value_of(SceneValue::Table{{"ramp", value_of(std::move(ramp))}})});
+  }
+}
+
 }  // namespace
 
 void write_material(SceneValue& scene, const SceneChanges& changes, bool writes_all) {
@@ -144,6 +175,7 @@ void apply_changes(SceneValue& scene, const SceneChanges& changes) {
   if (now.gravity != first.gravity)
     set("simulation.gravity", vector_value(now.gravity, changes.before->dimension));
   write_material(scene, changes);
+  set_drives(scene, changes);
   if (now.damping != first.damping)
     for (std::size_t b = 0; b < changes.before->bodies.size(); ++b)
       set(body_key(b) + ".damping.mass", value_of(now.damping));

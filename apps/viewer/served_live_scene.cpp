@@ -13,6 +13,7 @@
 #include "resilin/view/frame_codec.hpp"
 #include "resilin/view/header.hpp"
 #include "resilin/view/shown_marks.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin::viewer {
 namespace {
@@ -94,8 +95,12 @@ Json ServedLiveScene::header() const {
                                            .colliders = loaded_->colliders},
                                           world(), loaded_->surface));
   header["saves"] = static_cast<bool>(save_);
-  header["controls"] =
-      control_entries(loaded_->live->controls(), world().largest_extent(), world().contact != nullptr);
+  header["controls"] = drive_entries(loaded_->live->drives());
+  const bool all_are_rigid =
+      std::ranges::all_of(world().bodies, [](const Body& body) { return body.rigid != nullptr; });
+  for (Json& control :
+       control_entries(loaded_->live->controls(), world().largest_extent(), world().contact != nullptr))
+    if (!all_are_rigid || !control.contains("of_body")) header["controls"].push_back(std::move(control));
   return header;
 }
 
@@ -126,20 +131,20 @@ Json ServedLiveScene::state() const {
     for (const Vector3& d : load.directions) directions.push_back({d.x(), d.y(), d.z()});
     loads.push_back({{"vertices", load.vertices}, {"directions", std::move(directions)}});
   }
-  return {{"values", control_values(controls, world().contact != nullptr)},
-          {"ground", controls.has_ground ? Json(controls.ground_height) : Json()},
-          {"pinned", std::move(pinned)},
-          {"held", std::move(held)},
-          {"bodies", std::move(bodies)},
-          {"loads", std::move(loads)},
-          {"poking", is_poking()},
-          {"warnings", loaded_->warnings}};
+  Json values = control_values(controls, world().contact != nullptr);
+  values.update(drive_values(loaded_->live->drives()));
+  return {
+      {"values", std::move(values)}, {"ground", controls.has_ground ? Json(controls.ground_height) : Json()},
+      {"pinned", std::move(pinned)}, {"held", std::move(held)},
+      {"bodies", std::move(bodies)}, {"loads", std::move(loads)},
+      {"poking", is_poking()},       {"warnings", loaded_->warnings}};
 }
 
 Json ServedLiveScene::status() const {
   const LiveReport& report = loaded_->live->report();
   const std::optional<LiveContact> contact = loaded_->live->contact();
   return {{"time", time()},
+          {"drives", drive_values(loaded_->live->drives())},
           {"step_ms", report.step_ms},
           {"assembly_ms", report.assembly_ms},
           {"solve_ms", report.solve_ms},
@@ -184,9 +189,10 @@ void ServedLiveScene::apply(const SceneMessage& message) {
                  },
                  [&](const Release&) { loaded.live->release(); },
                  [&](const Pin& pin) {
-                   const Index node = loaded.surface.nearest_node(checked_vertex(pin.vertex, "pin"));
+                   const Index vertex = checked_vertex(pin.vertex, "pin");
+                   const Index node = loaded.surface.nearest_node(vertex);
                    loaded.vertex_of_node[node] = pin.vertex;
-                   loaded.live->pin(node);
+                   loaded.live->pin(node, loaded.surface.material_point(vertex));
                  },
                  [&](const Unpin& unpin) {
                    loaded.live->unpin(loaded.surface.nearest_node(checked_vertex(unpin.vertex, "unpin")));
@@ -243,6 +249,24 @@ FacePatch ServedLiveScene::patch_at(const HoldFace& hold, const char* what) {
 std::vector<Index> ServedLiveScene::mesh_vertices(const FacePatch& patch) const {
   const Body& body = world().bodies[body_of(patch)];
   std::vector<Index> vertices;
+  if (body.rigid) {  // those of its mesh at the patch
+    const std::span<const float> rest = loaded_->surface.rest_positions();
+    const VectorX& X = body.rigid->rest_positions;
+    for (const Index shown : patch.vertices) {
+      const float* at = &rest[3 * static_cast<std::size_t>(shown)];
+      const Vector3 place(at[0], at[1], at[2]);
+      const auto distance = [&](Index v) {
+        return (node_position(world().dimension, v, X) - place).squaredNorm();
+      };
+      Index nearest = 0;
+      for (Index v = 1; v < body.rigid->body.num_nodes; ++v)
+        if (distance(v) < distance(nearest)) nearest = v;
+      vertices.push_back(nearest);
+    }
+    std::ranges::sort(vertices);
+    vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+    return vertices;
+  }
   for (const Index node : nodes_of_patch(loaded_->surface, patch))
     if (node - body.first_node < body.num_vertices) vertices.push_back(node - body.first_node);
   return vertices;
@@ -256,7 +280,12 @@ void ServedLiveScene::load(const LoadFace& load) {
   LoadedFace made{loaded.live->put_load(body_of(patch), mesh_vertices(patch), load.choice), std::move(patch)};
   VectorX gradient = VectorX::Zero(world().rest_positions.size());
   loaded.live->face_loads().back().term->add_gradient(world().rest_positions, world().at_load(1), gradient);
+  Vector3 resultant = Vector3::Zero();
+  for (Index node = 0; node < world().num_nodes(); ++node)
+    resultant -= node_position(world().dimension, node, gradient);
+  const bool is_on_rigid = world().bodies[body_of(made.patch)].rigid != nullptr;
   const auto force = [&](Index vertex) -> Vector3 {
+    if (is_on_rigid) return resultant;  // its control nodes are not where the force acts
     return -node_position(world().dimension, loaded.surface.nearest_node(vertex), gradient);
   };
   double greatest = 0;
@@ -277,6 +306,7 @@ void ServedLiveScene::remove_loads() {
 
 void ServedLiveScene::set(const SetControl& set) {
   LiveScene& live = *loaded_->live;
+  if (set.control == nullptr) return drive(set);
   LiveControls controls = live.controls();
   if (!set.body) {
     set_value(*set.control, set.value, controls);
@@ -289,6 +319,20 @@ void ServedLiveScene::set(const SetControl& set) {
   controls = with_material(controls, live.materials()[*set.body]);
   set_value(*set.control, set.value, controls);
   live.set_material(*set.body, {controls.law, controls.youngs_modulus, controls.poissons_ratio});
+}
+
+void ServedLiveScene::drive(const SetControl& set) {
+  LiveScene& live = *loaded_->live;
+  const auto found = std::ranges::find(live.drives(), set.drive, &Drive::key);
+  if (found == live.drives().end()) {
+    std::vector<std::string> known;
+    for (const Drive& drive : live.drives()) known.push_back(drive.key);
+    throw InputError(
+        "message \"set\": key",
+        known.empty() ? "no drive in a scene without motors and cables" : "one of " + join(known),
+        '"' + one_line(set.drive.substr(0, 40)) + '"');
+  }
+  live.drive(static_cast<std::size_t>(found - live.drives().begin()), std::get<double>(set.value));
 }
 
 void ServedLiveScene::free_faces() {
@@ -308,7 +352,8 @@ std::string ServedLiveScene::save() {
                 .materials = loaded_->live->materials(),
                 .contact = loaded_->live->contact_choices(),
                 .held = loaded_->live->held_faces(),
-                .loads = loaded_->live->face_loads()});
+                .loads = loaded_->live->face_loads(),
+                .drives = loaded_->live->drives()});
 }
 
 /// Everything anew but the speed, which is not the scene's.
@@ -319,9 +364,10 @@ void ServedLiveScene::reload() {
   } else {
     free_faces();
     remove_loads();
+    loaded_->live->stop_driving();
     loaded_->live->set_controls(loaded_->first_controls);
     for (std::size_t b = 0; b < loaded_->first_materials.size(); ++b)
-      loaded_->live->set_material(b, loaded_->first_materials[b]);
+      if (!world().bodies[b].rigid) loaded_->live->set_material(b, loaded_->first_materials[b]);
     loaded_->live->reset();
     forget_previous_state();
   }

@@ -26,6 +26,7 @@ struct SceneChanges {
   ContactDescription contact{};                          ///< settings of contact that were chosen
   std::vector<HeldFace> held;
   std::vector<FaceLoad> loads;
+  std::vector<Drive> drives;  ///< motors and cables
 };
 
 /// Writes a scene with its changes into a new file; one line that says where. Throws InputError.
@@ -115,6 +116,7 @@ class ServedLiveScene : public ServedScene {
   void load(const LoadFace& load);
   void remove_loads();
   void set(const SetControl& set);
+  void drive(const SetControl& set);
   FacePatch patch_at(const HoldFace& hold, const char* what);
   /// Vertices of the body's mesh that carry a patch.
   std::vector<Index> mesh_vertices(const FacePatch& patch) const;

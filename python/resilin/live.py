@@ -177,7 +177,10 @@ class LiveScene(PresentState[_core.LiveScene]):
 
     @property
     def controls(self) -> dict[str, ControlValue]:
-        """Parameters for `set`, with present values: material of all bodies, gravity, time step, ground, hand."""
+        """Parameters for `set`, with present values: material of all bodies, gravity, time step, ground, hand.
+
+        Motors of joints and cables have the names "drive.NAME": `scene.set(**{"drive.crank": 1.5})` [rad].
+        """
         return dict(self._core.controls())
 
     def set(self, **controls: ControlValue | RealArray) -> None:

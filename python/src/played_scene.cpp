@@ -109,16 +109,27 @@ Image PlayedScene::draw(PictureOptions options) const {
 void PlayedScene::set(const std::vector<std::pair<std::string, PlainValue>>& values) {
   change([&](LiveScene& live) {
     LiveControls controls = live.controls();
+    std::vector<std::pair<std::size_t, double>> driven;
     for (const auto& [key, value] : values) {
+      const std::vector<Drive>& drives = live.drives();
+      if (const auto drive = std::ranges::find(drives, key, &Drive::key); drive != drives.end()) {
+        const double* number = std::get_if<double>(&value);
+        if (number == nullptr) throw InputError("controls: " + key, "a number", "something else");
+        check_value(*drive, *number);
+        driven.emplace_back(static_cast<std::size_t>(drive - drives.begin()), *number);
+        continue;
+      }
       const LiveControl* control = find_live_control(key);
       if (control == nullptr) {
         std::vector<std::string> keys;
         for (const LiveControl& known : live_control_table()) keys.emplace_back(known.key);
+        for (const Drive& drive : drives) keys.push_back(drive.key);
         throw InputError("controls", "one of " + join(keys), '"' + key + '"', did_you_mean(key, keys));
       }
       set_value(*control, control_value(*control, value, controls), controls);
     }
     live.set_controls(controls);
+    for (const auto& [number, value] : driven) live.drive(number, value);
   });
 }
 
@@ -127,6 +138,8 @@ std::vector<std::pair<std::string, PlainValue>> PlayedScene::controls() const {
     std::vector<std::pair<std::string, PlainValue>> values;
     for (const LiveControl& control : live_control_table())
       values.emplace_back(control.key, plain_value(value_of(control, live.controls())));
+    for (const Drive& drive : live.drives())
+      values.emplace_back(drive.key, drive.is_driven ? drive.goal : drive.value);
     return values;
   });
 }

@@ -83,11 +83,14 @@ void LiveScene::settle() {
     throw InputError("equilibrium", "a scene without friction",
                      "one with friction, where the equilibrium depends on the load history",
                      "set the coefficients of friction to 0, or wait until the scene is at rest");
-  if (!std::isfinite(c.end_of_changes))
+  if (c.drives.any_moves())
+    throw InputError("equilibrium", "motors and cables that are where they are driven to", "one that moves",
+                     "wait until it has its value, or drive its velocity to 0");
+  if (!std::isfinite(c.changes_end()))
     throw InputError("equilibrium", "loads and boundary conditions that end", "some that never end");
-  if (c.state.time < c.end_of_changes)
+  if (c.state.time < c.changes_end())
     throw InputError("equilibrium",
-                     "a time from " + format_short(c.end_of_changes) +
+                     "a time from " + format_short(c.changes_end()) +
                          " s on, when loads, boundary conditions and colliders have ended",
                      format_short(c.state.time) + " s");
   c.wake();

@@ -26,6 +26,21 @@ double mean_edge(const World& world, const Body& body, const MaterialPoint& touc
   return count > 0 ? sum / count : 0;
 }
 
+/// The same point with each node once, and none without a weight.
+MaterialPoint with_nodes_once(const MaterialPoint& point) {
+  MaterialPoint once;
+  for (std::size_t a = 0; a < point.nodes.size(); ++a) {
+    const auto known = std::ranges::find(once.nodes, point.nodes[a]);
+    if (known != once.nodes.end()) {
+      once.weights[static_cast<std::size_t>(known - once.nodes.begin())] += point.weights[a];
+    } else if (point.weights[a] != 0) {
+      once.nodes.push_back(point.nodes[a]);
+      once.weights.push_back(point.weights[a]);
+    }
+  }
+  return once;
+}
+
 /// A place on a facet of a skin that is larger than the cells is carried by nodes far away: then the node
 /// nearest to it.
 MaterialPoint without_far_nodes(const World& world, const Body& body, const MaterialPoint& touched,
@@ -48,6 +63,7 @@ MaterialPoint hand_patch(const World& world, const MaterialPoint& at) {
   const int dim = world.dimension;
   const VectorX& X = world.rest_positions;
   const Body& body = world.body_of(at.nodes.front());
+  if (body.rigid) return with_nodes_once(at);  // it keeps its shape however small the place
   const double usual = std::max(1.25 * mean_edge(world, body, at), 0.05 * largest_extent(body, X, dim));
   const MaterialPoint touched = without_far_nodes(world, body, at, usual);
   const Vector3 middle = touched.position(dim, X);

@@ -5,6 +5,7 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/live/live_contents.hpp"
+#include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/selection.hpp"
 #include "resilin/world/support.hpp"
 
@@ -21,9 +22,15 @@ int LiveScene::hold(std::size_t body, std::vector<Index> vertices) {
   where.kind = Where::Kind::vertices;
   where.vertices = vertices;
   HeldFace face{.number = 1, .body = body, .vertices = std::move(vertices), .nodes = {}};
-  for (const Index v : select_vertices(where, c.description.bodies[body].mesh, held_body,
-                                       c.world.rest_positions, c.world.dimension, "hold"))
-    face.nodes.push_back(held_body.first_node + v);
+  if (const RigidShape* rigid = held_body.rigid.get()) {
+    select_vertices(where, rigid->mesh, rigid->body, rigid->rest_positions, c.world.dimension, "hold");
+    for (Index node = 0; node < held_body.num_nodes; ++node)
+      face.nodes.push_back(held_body.first_node + node);
+  } else {
+    for (const Index v : select_vertices(where, c.description.bodies[body].mesh, held_body,
+                                         c.world.rest_positions, c.world.dimension, "hold"))
+      face.nodes.push_back(held_body.first_node + v);
+  }
   std::vector<Support> supports = c.world.supports;
   Support& own = supports.emplace_back();
   own.place = own.name = "held face";

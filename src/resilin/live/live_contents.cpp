@@ -9,15 +9,17 @@
 #include "resilin/contact/half_space.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/energy/damping.hpp"
+#include "resilin/energy/hand.hpp"
+#include "resilin/linear/dependents.hpp"
 #include "resilin/material/rest_tangents.hpp"
 #include "resilin/world/body_material.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
-#include "resilin/world/constraints.hpp"
 #include "resilin/world/contact.hpp"
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
+#include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/support_phase.hpp"
 
 namespace resilin {
@@ -33,10 +35,22 @@ Vector3 up_of(const Description& scene) {
   return scene.dimension == 2 ? Vector3::UnitY() : Vector3::UnitZ();
 }
 
+/// Rigid bodies are as stiff as in the scene, with its gravity and the time step that is played with.
+void keep_rigid_stiffness(Description& description) {
+  if (!has_rigid_bodies(description)) return;
+  Description as_played = description;
+  as_played.is_dynamic = true;
+  if (!description.is_dynamic) as_played.time_step = LiveControls{}.time_step;
+  std::vector<std::string> warnings;  // the world has them, too
+  const RigidBodies rigid = with_control_nodes(as_played, warnings);
+  for (std::size_t b = 0; b < description.bodies.size(); ++b)
+    if (rigid.shapes[b]) description.bodies[b].rigid->stiffness = rigid.shapes[b]->modulus;
+}
+
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
-  refuse_constraints(description, "a live run");
   refuse_releases(description, "a live run");
+  keep_rigid_stiffness(description);
   description.is_dynamic = true;
   description.time_step =
       std::min(longest_step, 0.05 * description.end_time);  // fast rotations need short steps
@@ -64,8 +78,12 @@ double end_of_changes(const Description& description, const World& world) {
     return std::holds_alternative<TimeFunction::Sine>(entry.time_function.form) ||
            (entry.velocity != Vector3::Zero() && !entry.until);
   };
+  const auto swings = [](const ConstraintDescription& constraint) {
+    return std::holds_alternative<TimeFunction::Sine>(constraint.time_function.form);
+  };
   if (std::ranges::any_of(description.fixes, is_endless) ||
       std::ranges::any_of(description.loads, is_endless) ||
+      std::ranges::any_of(description.constraints, swings) ||
       std::ranges::any_of(description.colliders, is_endless) ||
       std::ranges::any_of(description.colliders, moves_on))
     return std::numeric_limits<double>::infinity();
@@ -92,6 +110,7 @@ LiveScene::Contents::Contents(const Description& scene, const std::optional<Stat
       controls(starting_controls(scene, world, up_of(scene))) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b)
     materials.push_back(starting_material(scene.bodies[b], world.bodies[b]));
+  drives = Drives(description, world);
   extent = world.largest_extent();
   const bool has_path = !scene.is_dynamic && follows_time(scene);
   path_time = has_path ? scene.end_time : std::numeric_limits<double>::infinity();
@@ -142,6 +161,8 @@ void LiveScene::Contents::reset() {
   state = start;
   held.reset();
   pinned.clear();
+  pinned_points.clear();
+  drives.reset(conditions(), world);
   ball.reset();
   floor.reset();
   mending_steps = 0;
@@ -164,6 +185,7 @@ void LiveScene::Contents::renew_terms() {
     for (const auto& barrier : fold_barriers)
       if (barrier) sum.push_back(barrier);
     for (const FaceLoad& load : face_loads) sum.push_back(load.term);
+    sum.insert(sum.end(), anchors.begin(), anchors.end());
     if (floor) sum.push_back(floor->barrier());
     if (ball) sum.push_back(ball->barrier());
     if (floor && controls.ground_friction > 0) {
@@ -228,24 +250,56 @@ void LiveScene::Contents::advance_obstacles() {
 
 void LiveScene::Contents::renew_fixed() {
   is_fixed = world.is_fixed;
-  const auto fix = [this](Index node) {
-    for (int k = 0; k < world.dimension; ++k)
-      is_fixed[static_cast<std::size_t>(node * world.dimension + k)] = 1;
-  };
-  for (const Index node : pinned) fix(node);
   const int dim = world.dimension;
+  const auto fix = [&](Index node) {
+    if (follows_others(node)) return;
+    for (int k = 0; k < dim; ++k) is_fixed[static_cast<std::size_t>(node * dim + k)] = 1;
+  };
+  for (const Index node : pinned)
+    if (!pinned_points.contains(node)) fix(node);
   for (const HeldFace& face : held_faces)
     for (const Index node : face.nodes) {
       fix(node);
       state.velocities.segment(Eigen::Index{node} * dim, dim).setZero();
     }
+  renew_anchors();
+}
+
+bool LiveScene::Contents::follows_others(Index node) const {
+  const Dependents* dependents = world.dependents();
+  for (int k = 0; k < world.dimension; ++k)
+    if (dependents != nullptr && dependents->is_dependent(node * world.dimension + k)) return true;
+  return false;
+}
+
+void LiveScene::Contents::renew_anchors() {
+  const bool had_any = !anchors.empty();
+  anchors.clear();
+  const auto add = [this](const MaterialPoint& point) {
+    const Body& body = world.body_of(point.nodes.front());
+    const double stiffness = anchor_stiffness(body, controls, world);
+    anchors.push_back(std::make_shared<Hand>(world.dimension, point,
+                                             point.position(world.dimension, state.positions), stiffness,
+                                             std::numeric_limits<double>::infinity()));
+  };
+  const auto add_node = [&](Index node) {
+    if (follows_others(node)) add({.nodes = {node}, .weights = {1}});
+  };
+  for (const Index node : pinned)
+    if (const auto point = pinned_points.find(node); point != pinned_points.end())
+      add(point->second);
+    else
+      add_node(node);
+  for (const HeldFace& face : held_faces)
+    for (const Index node : face.nodes) add_node(node);
+  if (had_any || !anchors.empty()) renew_terms();
 }
 
 void LiveScene::Contents::change_materials(const std::vector<BodyControls>& wanted) {
   World changed = world;
   std::vector<BodyDescription> bodies = description.bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (wanted[b] == materials[b]) continue;
+    if (wanted[b] == materials[b] || world.bodies[b].rigid) continue;
     bodies[b].material = material_of(wanted[b], bodies[b].material);
     bodies[b].material.place = "material";
     change_material(changed, b, bodies[b]);
@@ -294,7 +348,9 @@ void LiveScene::Contents::set_controls(const LiveControls& asked) {
   if (wanted.max_force == controls.max_force)
     wanted.max_force *= wanted.youngs_modulus / controls.youngs_modulus;
   std::vector<BodyControls> wanted_materials = materials;
-  for (BodyControls& material : wanted_materials) {
+  for (std::size_t b = 0; b < wanted_materials.size(); ++b) {
+    BodyControls& material = wanted_materials[b];
+    if (world.bodies[b].rigid) continue;  // it keeps its stiffness
     if (wanted.law != controls.law) material.law = wanted.law;
     if (wanted.youngs_modulus != controls.youngs_modulus) material.youngs_modulus = wanted.youngs_modulus;
     if (wanted.poissons_ratio != controls.poissons_ratio) material.poissons_ratio = wanted.poissons_ratio;

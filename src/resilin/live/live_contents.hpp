@@ -1,12 +1,14 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "resilin/energy/hand.hpp"
+#include "resilin/live/drive.hpp"
 #include "resilin/live/fold_barrier.hpp"
 #include "resilin/live/live_scene.hpp"
 #include "resilin/live/obstacle.hpp"
@@ -53,10 +55,21 @@ struct LiveScene::Contents {
   void change_contact(const LiveControls& wanted);
 
   bool is_seeking() const;
+  /// Time from which nothing changes by itself [s].
+  double changes_end() const {
+    return std::min(drives.any_is_endless() ? path_time : end_of_changes, path_time);
+  }
   /// Time of loads and boundary conditions: that of a static scene ends with its path.
   double scene_time(double time) const { return std::min(time, path_time); }
   /// Likewise the load factor: that of the start, unless a static run goes on along its path.
   double scene_load(double time) const { return goes_on ? scene_time(time) / path_time : state.load; }
+  /// Places that pins and held faces hold by stiff springs: points of rigid bodies, and nodes that ties,
+  /// joints and constraints couple to others.
+  void renew_anchors();
+  /// Whether a node follows others, so that it cannot be fixed for itself.
+  bool follows_others(Index node) const;
+  /// Whether supports, or constants of constraints, lead nodes from one state to the next.
+  bool are_nodes_led(const Conditions& after, const VectorX& targets) const;
   Conditions conditions() const {
     return {.time = scene_time(state.time), .load = scene_load(state.time), .delay = state.collider_delay};
   }
@@ -97,6 +110,9 @@ struct LiveScene::Contents {
   double ball_radius = 0;
   Vector3 up = Vector3::UnitZ();  ///< normal of the floor, whatever gravity becomes
   std::vector<Index> pinned;
+  std::map<Index, MaterialPoint> pinned_points;  ///< by pinned node of a rigid body: the point that is held
+  Terms anchors;                                 ///< see renew_anchors
+  Drives drives;
   std::vector<HeldFace> held_faces;
   std::vector<FaceLoad> face_loads;
   Calm calm;

@@ -12,14 +12,27 @@
 #include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/cell_material.hpp"
 #include "resilin/world/colliders.hpp"
+#include "resilin/world/rigid_shape.hpp"
 
 namespace resilin {
 namespace {
 
-/// Mean volume of a cell to the power 1 / dim [m].
+constexpr double anchor_over_hand =
+    100;  ///< stiffness of what holds a deformable body, over that of the hand
+// The hand moves a rigid body by its extent in a quarter of a second, or lifts it.
+constexpr double hand_acceleration = 30;  ///< by the mass, in extents [1/s^2]
+constexpr double hand_over_weight = 2;
+constexpr double stretch_of_hand = 0.05;  ///< stretch of a hand that pulls with all its force, in extents
+
+bool all_are_rigid(const World& world) {
+  return std::ranges::all_of(world.bodies, [](const Body& body) { return body.rigid != nullptr; });
+}
+
+/// Mean volume of a deformable cell to the power 1 / dim [m].
 double cell_size(const World& world) {
   double volume = 0, cells = 0;
   for (const Body& body : world.bodies) {
+    if (body.rigid && !all_are_rigid(world)) continue;
     volume += body.domains.total_rest_volume();
     cells += static_cast<double>(body.num_cells());
   }
@@ -29,8 +42,16 @@ double cell_size(const World& world) {
 /// A height of two digits at or just under the lowest node at rest, along `up` [m].
 double height_under(const World& world, const Vector3& up) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (Index node = 0; node < world.num_nodes(); ++node)
-    lowest = std::min(lowest, node_position(world.dimension, node, world.rest_positions).dot(up));
+  const auto look_at = [&](const VectorX& positions, Index first, Index count) {
+    for (Index node = first; node < first + count; ++node)
+      lowest = std::min(lowest, node_position(world.dimension, node, positions).dot(up));
+  };
+  for (const Body& body : world.bodies) {
+    if (body.rigid)
+      look_at(body.rigid->rest_positions, 0, body.rigid->body.num_nodes);
+    else
+      look_at(world.rest_positions, body.first_node, body.num_nodes);
+  }
   const double digits = std::pow(10, 2 - std::floor(std::log10(world.largest_extent())));
   return std::floor(lowest * digits + 1e-6) / digits;
 }
@@ -46,6 +67,12 @@ BodyControls starting_material(const BodyDescription& description, const Body& b
   const MaterialDescription& material = description.material;
   BodyControls controls;
   controls.law = material.law;
+  if (body.rigid) {
+    constexpr double least = 1, greatest = 1e12;  // [Pa], as the table of controls has it
+    controls.youngs_modulus = std::clamp(body.rigid->contact_modulus, least, greatest);
+    controls.poissons_ratio = 0;
+    return controls;
+  }
   const LawInfo& law = require_law(material.law, material.place + ".law");
   const std::vector<double> constants = constants_of_cells(law, material, body.num_cells());
   double mu = 0, lambda = 0, count = 0;
@@ -83,25 +110,36 @@ namespace {
 }  // namespace
 
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up) {
-  const BodyDescription& first = description.bodies.front();
+  const std::size_t first = first_deformable(world);
   if (is_plane_stress(world.bodies.front().domains.front().law_info()))
     refuse_to_play(description, "plane_stress");
   if (is_axisymmetric(world)) refuse_to_play(description, "axisymmetric");
   if (world.thickness != 1)
     throw InputError(description.place + ": simulation.thickness", "1 m for a scene to play with",
                      format_number(world.thickness), "compute it with resilin run and look at its pictures");
-  LiveControls controls = with_material({}, starting_material(first, world.bodies.front()));
-  controls.damping = first.damping.mass;
+  LiveControls controls =
+      with_material({}, starting_material(description.bodies[first], world.bodies[first]));
+  controls.damping = description.bodies.front().damping.mass;
   controls.gravity = description.gravity;
   controls.time_step = description.is_dynamic ? description.time_step : LiveControls{}.time_step;
   double volume = 0;
-  for (const Body& body : world.bodies) volume += body.domains.total_rest_volume();
+  for (const Body& body : world.bodies)
+    if (!body.rigid) volume += body.domains.total_rest_volume();
   // A fiftieth of what doubles a cube of this volume, and no less than half the weight: enough to tilt and
   // stretch a body, too little to turn the cells at the hand inside out where they are not very fine.
   const double area = std::pow(volume, (world.dimension - 1.0) / world.dimension);
   double weight = 0;
   for (const Body& body : world.bodies) weight += body.mass * controls.gravity.norm();
   controls.max_force = std::max(0.02 * controls.youngs_modulus * area, 0.5 * weight);
+  for (const Body& body : world.bodies) {
+    if (!body.rigid) continue;
+    const double acceleration =
+        std::max(hand_over_weight * controls.gravity.norm(), hand_acceleration * world.largest_extent(body));
+    controls.max_force = std::max(controls.max_force, body.mass * acceleration);
+  }
+  if (controls.max_force == 0)  // statics without a density
+    controls.max_force =
+        1e-3 * controls.youngs_modulus * std::pow(world.largest_extent(), world.dimension - 1);
   controls.max_force = std::stod(format_short(controls.max_force));
   controls.ground_height = height_under(world, up);
   if (world.contact) {
@@ -139,9 +177,21 @@ std::vector<const LawInfo*> live_laws() {
   return all;
 }
 
-double hand_stiffness(const LiveControls& controls, const World& world) {
+std::size_t first_deformable(const World& world) {
+  for (std::size_t b = 0; b < world.bodies.size(); ++b)
+    if (!world.bodies[b].rigid) return b;
+  return 0;
+}
+
+double hand_stiffness(const LiveControls& controls, const World& world, const Body& body) {
+  if (body.rigid) return controls.max_force / (stretch_of_hand * world.largest_extent());
   const double thickness = world.dimension == 3 ? cell_size(world) : 1;
   return 10 * controls.youngs_modulus * thickness;
+}
+
+double anchor_stiffness(const Body& body, const LiveControls& controls, const World& world) {
+  if (body.rigid) return body.rigid->modulus * (world.dimension == 3 ? world.largest_extent(body) : 1);
+  return anchor_over_hand * hand_stiffness(controls, world, body);
 }
 
 }  // namespace resilin

@@ -16,8 +16,8 @@ struct BodyControls {
   bool operator==(const BodyControls&) const = default;
 };
 
-/// Values that can be changed while a scene runs. The material is that of the first body; changed here,
-/// it changes in all.
+/// Values that can be changed while a scene runs. The material is that of the first deformable body; changed
+/// here, it changes in all of them.
 struct LiveControls {
   std::string law;
   double youngs_modulus = 1e5;  ///< [Pa] of the small-strain solid
@@ -42,7 +42,8 @@ struct LiveControls {
 /// `up`. Contact is that of the world, where its bodies meet.
 LiveControls starting_controls(const Description& description, const World& world, const Vector3& up);
 
-/// The material that a body begins with; the mean over its cells where it varies.
+/// The material that a body begins with; the mean over its cells where it varies. A rigid body has the
+/// stiffness by which contact measures it, and keeps it.
 BodyControls starting_material(const BodyDescription& description, const Body& body);
 
 /// The controls with the material of another body.
@@ -61,7 +62,14 @@ MaterialDescription material_of(const BodyControls& controls, const MaterialDesc
 /// Laws that a scene can change to: those that Young's modulus and Poisson's ratio alone make.
 std::vector<const LawInfo*> live_laws();
 
+/// The first deformable body, whose material the controls begin with; the first one where all are rigid.
+std::size_t first_deformable(const World& world);
+
+/// Stiffness of a spring that holds a point of a body as if it were fixed [N/m].
+double anchor_stiffness(const Body& body, const LiveControls& controls, const World& world);
+
 /// How stiff the hand's spring is, so that a place of a body follows it closely [N/m].
-double hand_stiffness(const LiveControls& controls, const World& world);
+/// @param body  which it holds
+double hand_stiffness(const LiveControls& controls, const World& world, const Body& body);
 
 }  // namespace resilin

@@ -6,6 +6,7 @@
 #include "resilin/contact/sphere.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/live/hand_patch.hpp"
 #include "resilin/live/live_contents.hpp"
 
 namespace resilin {
@@ -31,6 +32,8 @@ void LiveScene::set_material(std::size_t body, const BodyControls& material) {
   if (body >= materials.size())
     throw InputError("body", "a number from 0 to " + std::to_string(materials.size() - 1),
                      std::to_string(body));
+  if (const Body& chosen = contents_->world.bodies[body]; chosen.rigid)
+    throw InputError("material", "a deformable body", "the rigid body \"" + chosen.name + '"');
   materials[body] = material;
   LiveControls controls = with_material(contents_->controls, materials.front());
   contents_->take_over(std::move(controls), std::move(materials));
@@ -62,7 +65,7 @@ bool LiveScene::is_grabbed() const { return contents_->held.has_value(); }
 
 Vector3 LiveScene::hand_force() const { return contents_->hand_force(); }
 
-void LiveScene::pin(Index node) {
+void LiveScene::pin(Index node, const std::optional<MaterialPoint>& place) {
   std::vector<Index>& pinned = contents_->pinned;
   if (node < 0 || node >= contents_->world.num_nodes())
     throw InputError("pin", "a node from 0 to " + std::to_string(contents_->world.num_nodes() - 1),
@@ -70,24 +73,43 @@ void LiveScene::pin(Index node) {
   if (std::ranges::find(pinned, node) != pinned.end()) return;
   pinned.push_back(node);
   const int dim = contents_->world.dimension;
-  contents_->state.velocities.segment(Eigen::Index{node} * dim, dim).setZero();
+  if (contents_->world.body_of(node).rigid)
+    contents_->pinned_points[node] = hand_patch(contents_->world, place.value_or(MaterialPoint{{node}, {1}}));
+  else
+    contents_->state.velocities.segment(Eigen::Index{node} * dim, dim).setZero();
   contents_->renew_fixed();
   contents_->wake();
 }
 
 void LiveScene::unpin(Index node) {
   if (std::erase(contents_->pinned, node) == 0) return;
+  contents_->pinned_points.erase(node);
   contents_->renew_fixed();
   contents_->wake();
 }
 
 void LiveScene::unpin_all() {
   contents_->pinned.clear();
+  contents_->pinned_points.clear();
   contents_->renew_fixed();
   contents_->wake();
 }
 
 const std::vector<Index>& LiveScene::pinned() const { return contents_->pinned; }
+
+const std::vector<Drive>& LiveScene::drives() const { return contents_->drives.all(); }
+
+void LiveScene::drive(std::size_t number, double value) {
+  contents_->drives.set_goal(number, value, contents_->conditions());
+  contents_->wake();
+}
+
+void LiveScene::stop_driving() {
+  contents_->drives.leave(contents_->world);
+  contents_->drives.follow_scene(contents_->conditions());
+  contents_->renew_terms();
+  contents_->wake();
+}
 
 void LiveScene::poke(const Vector3& center, double radius) {
   Contents& c = *contents_;

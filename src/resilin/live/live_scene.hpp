@@ -8,6 +8,7 @@
 
 #include "resilin/energy/material_point.hpp"
 #include "resilin/fields/discretisation_error.hpp"
+#include "resilin/live/drive.hpp"
 #include "resilin/live/face_load.hpp"
 #include "resilin/live/held_face.hpp"
 #include "resilin/live/live_controls.hpp"
@@ -93,14 +94,15 @@ class LiveScene {
   bool is_grabbed() const;
   Vector3 hand_force() const;  ///< on the body; zero when nothing is held [N]
 
-  /// Holds a node where it is now; all components.
-  void pin(Index node);
+  /// Holds a node where it is now; all components. Of a rigid body the point `place`, by a stiff spring.
+  /// @param place  used for a control node of a rigid body alone; none: the node itself
+  void pin(Index node, const std::optional<MaterialPoint>& place = {});
   void unpin(Index node);
   void unpin_all();
   const std::vector<Index>& pinned() const;
 
-  /// Holds vertices of a body's mesh where they are now, and after a reset where they start; all components.
-  /// Refuses vertices that a support of the scene moves.
+  /// Holds vertices of a body's mesh, a rigid body as a whole, where they are now, and after a reset where
+  /// they start; all components. Refuses vertices that a support of the scene moves.
   /// @return the number by which they are let go
   int hold(std::size_t body, std::vector<Index> vertices);
   void let_go(int number);
@@ -111,6 +113,14 @@ class LiveScene {
   int put_load(std::size_t body, std::vector<Index> vertices, const FaceLoadChoice& choice);
   void remove_load(int number);
   const std::vector<FaceLoad>& face_loads() const;  ///< in the order in which they were put there
+
+  /// Motors of joints, then cables, with their present values.
+  const std::vector<Drive>& drives() const;
+  /// Drives a motor or a cable towards a value, in place of the scene's time function. It goes there within
+  /// half a second, stays driven after a reset, and begins there where the scene has it.
+  void drive(std::size_t number, double value);
+  /// Leaves all of them to the scene again, at once.
+  void stop_driving();
 
   /// Stops all motion: the steps that follow lead to the equilibrium. Refused where that depends on the way,
   /// as with friction, and while loads or supports change.

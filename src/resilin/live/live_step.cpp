@@ -12,6 +12,7 @@
 #include "resilin/simulation/most_strained.hpp"
 #include "resilin/simulation/stage_plan.hpp"
 #include "resilin/simulation/stage_solver.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -33,7 +34,8 @@ bool LiveScene::Contents::is_seeking() const {
   const bool rubs = std::ranges::any_of(
       terms, [](const auto& term) { return term->properties().category == EnergyCategory::friction; });
   const bool creeps = state.history.size() > 0;
-  return !rubs && !creeps && state.time >= end_of_changes && calm.quiet_steps >= quiet_steps_before_seeking;
+  return !rubs && !creeps && !drives.any_moves() && state.time >= changes_end() &&
+         calm.quiet_steps >= quiet_steps_before_seeking;
 }
 
 void LiveScene::Contents::step(const StepBudget& budget) {
@@ -52,8 +54,9 @@ void LiveScene::Contents::step(const StepBudget& budget) {
 
 std::shared_ptr<const Hand> LiveScene::Contents::hand() const {
   if (!held) return nullptr;
+  const Body& body = world.body_of(held->place.nodes.front());
   return std::make_shared<const Hand>(world.dimension, held->place, held->target,
-                                      hand_stiffness(controls, world), controls.max_force);
+                                      hand_stiffness(controls, world, body), controls.max_force);
 }
 
 Vector3 LiveScene::Contents::hand_force() const {
@@ -84,14 +87,19 @@ NewtonReport LiveScene::Contents::minimize(Potential& potential, const Flight& g
 /// A step in time; several where supports turn far in it.
 void LiveScene::Contents::move_in_parts(const StepBudget& budget) {
   const double dt = controls.time_step;
-  const double turn =
+  const double of_supports =
       largest_turn(world, {.time = scene_time(state.time)}, {.time = scene_time(state.time + dt)});
-  const int num_parts = num_steps_of_turn(turn);
+  const int num_parts = num_steps_of_turn(std::max(of_supports, drives.largest_turn(dt)));
   for (int part = 0; part < num_parts; ++part) move_in_time(dt / num_parts, budget);
 }
 
 void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   count_mending_steps();
+  if (drives.advance(dt, world)) {
+    calm = {};
+    is_as_run = false;
+    renew_terms();
+  }
   const double step = dt * mending_factor();
   const BackwardEuler scheme;
   StageSequence stages(scheme,
@@ -104,9 +112,9 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
                               .load = scene_load(state.time + dt),
                               .delay = state.collider_delay + time - scene_time(state.time)};
   const StagePlan plan = plan_stage(world, conditions, stages.begin(), state.positions);
-  const bool is_driven = plan.targets != state.positions;
+  const bool is_driven = are_nodes_led(conditions, plan.targets);
   const Terms all = with_hand(terms);
-  Potential potential(all, is_fixed, conditions, plan.stage, {}, state.history);
+  Potential potential(all, is_fixed, conditions, plan.stage, {}, state.history, world.dependents());
   VectorX x = state.positions;
   const NewtonReport newton_report =
       minimize(potential, flight(world, is_fixed, potential, plan.stage, controls.gravity, x), plan.targets,
@@ -124,9 +132,21 @@ void LiveScene::Contents::move_in_time(double dt, const StepBudget& budget) {
   state.time += dt;
   state.collider_delay = potential.conditions().delay;
   ++state.step;
+  drives.follow_scene(this->conditions());
   measure(newton_report);
   estimate_now_and_then();
   note_calm(dt);
+}
+
+bool LiveScene::Contents::are_nodes_led(const Conditions& after, const VectorX& targets) const {
+  const Dependents* dependents = world.dependents();
+  if (dependents == nullptr) return targets != state.positions;
+  VectorX others = targets, before = VectorX::Zero(targets.size()), now = before;
+  for (const Dependents::Relation& relation : dependents->relations())
+    others[relation.unknown] = state.positions[relation.unknown];
+  set_constants(world, this->conditions(), before);
+  set_constants(world, after, now);
+  return others != state.positions || before != now;
 }
 
 /// Once nobody pulls, steps are longer that start with a body that had cells inside out, and not all of them
@@ -161,11 +181,12 @@ void LiveScene::Contents::move_to_equilibrium(const StepBudget& budget) {
                                      .shape = state.positions},
                                     state.positions);
   const Terms all = with_hand(terms_at_rest);
-  Potential potential(all, is_fixed, conditions, plan.stage, {}, state.history);
+  Potential potential(all, is_fixed, conditions, plan.stage, {}, state.history, world.dependents());
   VectorX x = state.positions;
   NewtonReport newton_report =
       minimize(potential, {.places = x}, plan.targets, 0.1 * rest_tolerance, budget, x);
-  const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions), {}, state.history);
+  const Potential at_rest(all, is_fixed, conditions, static_stage(state.positions), {}, state.history,
+                          world.dependents());
   VectorX gradient;
   at_rest.gradient(x, gradient);
   Convergence balance(at_rest, is_fixed, newton.parts(), rest_tolerance, unloaded_scale());

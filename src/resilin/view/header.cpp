@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "resilin/view/shown_connectors.hpp"
 #include "resilin/view/shown_marks.hpp"
 #include "resilin/world/axisymmetry.hpp"
 #include "resilin/world/meeting_surface.hpp"
@@ -52,6 +53,18 @@ Json mark_json(const ShownMark& mark) {
   json["directions"] = Json::array();
   for (const Vector3& direction : mark.directions) json["directions"].push_back(numbers(direction));
   return json;
+}
+
+Json connector_json(const ShownConnector& connector) {
+  Json points = Json::array();
+  for (const ShownConnector::Point& point : connector.points)
+    points.push_back(point.vertices.empty() ? Json{{"at", numbers(point.place)}}
+                                            : Json{{"vertices", point.vertices}, {"weights", point.weights}});
+  return {{"kind", connector.kind},
+          {"name", connector.name},
+          {"points", std::move(points)},
+          {"lines", connector.lines},
+          {"dots", connector.dots}};
 }
 
 Json field_json(const ScalarField& field, const World& world) {
@@ -106,6 +119,8 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
     json["colliders"].push_back(collider_json(collider, world.dimension));
   json["marks"] = Json::array();
   for (const ShownMark& mark : shown_marks(world, surface)) json["marks"].push_back(mark_json(mark));
+  const std::vector<ShownConnector> connectors = shown_connectors(world, surface);
+  for (const ShownConnector& connector : connectors) json["connectors"].push_back(connector_json(connector));
   if (header.ground) json["ground"] = *header.ground;
   if (world.dimension == 2) json["forces_per_metre"] = !is_axisymmetric(world) && world.thickness == 1;
   json["fields"] = fields_json(header.fields, world);

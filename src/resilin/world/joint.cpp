@@ -27,6 +27,18 @@ CarriedPoint carried(World& world, const Body* body, const Vector3& at, const st
   return {.nodes = std::move(probe.carriers)};
 }
 
+/// The angle of a hinge, or the way of a slider.
+JointCoordinate coordinate_of(const Joint& joint, int dim) {
+  const Joint::Frame &moved = joint.moved, &fixed = joint.fixed;
+  const double length = joint.length;
+  if (joint.kind == JointKind::hinge)
+    return JointCoordinate::angle(dim, vector_between(moved.at, moved.along, length),
+                                  vector_between(fixed.at, fixed.along, length),
+                                  vector_between(fixed.at, fixed.across, length));
+  return JointCoordinate::travel(dim, vector_between(fixed.at, moved.at),
+                                 vector_between(fixed.at, fixed.axis, length));
+}
+
 double extent_of_joint(const World& world, const std::vector<const Body*>& bodies) {
   double extent = 0;
   for (const Body* body : bodies)
@@ -41,6 +53,19 @@ double modulus_of_joint(const std::vector<const Body*>& bodies) {
   for (const Body* body : bodies)
     if (body != nullptr && body->rigid) modulus = std::max(modulus, body->rigid->modulus);
   return modulus;
+}
+
+/// Stiffness of the energies that hold a point of a joint [N/m].
+double force_stiffness(const std::vector<const Body*>& bodies, double length, int dim) {
+  return modulus_of_joint(bodies) * (dim == 3 ? length : 1);
+}
+
+/// Stiffness of stops and motors: of an angle [N m], of a way [N/m].
+double stiffness_of_value(const Joint& joint, const World& world) {
+  std::vector<const Body*> bodies;
+  for (const std::size_t body : joint.bodies) bodies.push_back(&world.bodies[body]);
+  return force_stiffness(bodies, joint.length, world.dimension) *
+         (joint.kind == JointKind::hinge ? joint.length * joint.length : 1);
 }
 
 /// The two bodies of a joint; the second one is null for the ground.
@@ -70,7 +95,7 @@ class JointMaker {
         dim_(world.dimension),
         bodies_(bodies_of(description, world)),
         length_(extent_of_joint(world, bodies_)),
-        force_stiffness_(modulus_of_joint(bodies_) * (dim_ == 3 ? length_ : 1)) {}
+        force_stiffness_(force_stiffness(bodies_, length_, dim_)) {}
 
   Joint make() {
     joint_ = {.name = description_.name, .kind = description_.kind, .length = length_};
@@ -245,13 +270,8 @@ class JointMaker {
   void add_energies() {
     const bool is_hinge = joint_.kind == JointKind::hinge;
     if (!is_hinge && joint_.kind != JointKind::slider) return;
-    const JointCoordinate coordinate =
-        is_hinge ? JointCoordinate::angle(dim_, vector_between(joint_.moved.at, joint_.moved.along, length_),
-                                          vector_between(joint_.fixed.at, joint_.fixed.along, length_),
-                                          vector_between(joint_.fixed.at, joint_.fixed.across, length_))
-                 : JointCoordinate::travel(dim_, vector_between(joint_.fixed.at, joint_.moved.at),
-                                           vector_between(joint_.fixed.at, joint_.fixed.axis, length_));
-    const double stiffness = force_stiffness_ * (is_hinge ? length_ * length_ : 1);
+    const JointCoordinate coordinate = coordinate_of(joint_, dim_);
+    const double stiffness = stiffness_of_value(joint_, world_);
     const auto add_law = [&](JointSpring::Law law) {
       add(std::make_shared<JointSpring>(joint_.name, coordinate, std::move(law)));
     };
@@ -268,22 +288,8 @@ class JointMaker {
       add(std::move(damper));
     }
     if (description_.motor) {
-      const MotorDescription& motor = *description_.motor;
-      MotorGoal goal{motor.position, motor.velocity.value_or(0), motor.time_function};
-      const double own = motor.stiffness.value_or(stiffness);
-      is_held = is_held || !motor.effort;
-      if (motor.effort) {
-        add_law({.effort = motor.effort, .goal = std::move(goal), .is_motor = true});
-      } else if (is_hinge) {
-        add(std::make_shared<Motor>(joint_.name, dim_,
-                                    Motor::Arms{.turned = joint_.moved.along,
-                                                .centre = joint_.fixed.at,
-                                                .along = joint_.fixed.along,
-                                                .across = joint_.fixed.across},
-                                    length_, own, std::move(goal)));
-      } else {
-        add_law({.stiffness = own, .goal = std::move(goal), .is_motor = true});
-      }
+      is_held = is_held || !description_.motor->effort;
+      add(make_motor(*description_.motor, joint_, world_));
     }
     if (!is_held) return;
     if (is_hinge)
@@ -481,20 +487,45 @@ std::shared_ptr<Cable> make_cable(const CableDescription& description, World& wo
   }
   if (std::ranges::all_of(points, [](const CarriedPoint& point) { return point.nodes.empty(); }))
     throw InputError(description.place + ".points", "a point of a body", "points of the ground alone");
-  Cable::Law law{.stiffness = description.stiffness,
-                 .rest_length = 0,
-                 .shortening = description.shortening,
-                 .tension = description.tension,
-                 .tension_only = description.tension_only,
-                 .function = description.time_function};
-  const Cable alone(description.name, world.dimension, points, law);
-  const double length = alone.length(world.rest_positions);
+  const CablePath path(world.dimension, points);
+  const double length = path.length(world.rest_positions);
   const bool may_coincide = points.size() == 2 && !description.tension && description.rest_length == 0.0;
   if (!(length > 0) && !may_coincide)
     throw InputError(description.place + ".points", "points apart", "points in one place",
                      "a spring between them needs rest_length = 0");
-  law.rest_length = description.rest_length.value_or(length);
-  return std::make_shared<Cable>(description.name, world.dimension, std::move(points), std::move(law));
+  return make_cable(description, world.dimension, std::move(points), length);
+}
+
+std::shared_ptr<Cable> make_cable(const CableDescription& description, int dim,
+                                  std::vector<CarriedPoint> points, double rest_length) {
+  return std::make_shared<Cable>(description.name, dim, std::move(points),
+                                 Cable::Law{.stiffness = description.stiffness,
+                                            .rest_length = description.rest_length.value_or(rest_length),
+                                            .shortening = description.shortening,
+                                            .tension = description.tension,
+                                            .tension_only = description.tension_only,
+                                            .function = description.time_function});
+}
+
+std::shared_ptr<Energy> make_motor(const MotorDescription& description, const Joint& joint,
+                                   const World& world) {
+  const JointCoordinate coordinate = coordinate_of(joint, world.dimension);
+  MotorGoal goal{description.position, description.velocity.value_or(0), description.time_function};
+  if (description.effort)
+    return std::make_shared<JointSpring>(
+        joint.name, coordinate,
+        JointSpring::Law{.effort = description.effort, .goal = std::move(goal), .is_motor = true});
+  const double stiffness = description.stiffness.value_or(stiffness_of_value(joint, world));
+  if (joint.kind != JointKind::hinge)
+    return std::make_shared<JointSpring>(
+        joint.name, coordinate,
+        JointSpring::Law{.stiffness = stiffness, .goal = std::move(goal), .is_motor = true});
+  return std::make_shared<Motor>(joint.name, world.dimension,
+                                 Motor::Arms{.turned = joint.moved.along,
+                                             .centre = joint.fixed.at,
+                                             .along = joint.fixed.along,
+                                             .across = joint.fixed.across},
+                                 joint.length, stiffness, std::move(goal));
 }
 
 std::vector<JointForce> joint_forces(const World& world, const Conditions& conditions,

@@ -68,7 +68,7 @@ export class DisplayPanel {
       viewport.setLook(this.look());
       events.look();
     };
-    const { fields, parts, colliders = [], marks = [] } = viewport.header;
+    const { fields, parts, colliders = [], marks = [], connectors = [] } = viewport.header;
     const groups = groupsOf(fields);
     const sorted = groups.flatMap((group) => group.fields);
     const options = Object.fromEntries([["body colour", ""], ...sorted.map((field) => [field.label, field.name])]);
@@ -109,7 +109,10 @@ export class DisplayPanel {
       named(folder.add(choices, "parallel"), "parallel", "Orthographic view (o)");
     }
     if (colliders.length > 0) named(folder.add(choices, "colliders"), "colliders", "Show colliders");
-    if (marks.length > 0) named(folder.add(choices, "marks"), "marks", "Boundary conditions, loads (m)");
+    if (marks.length + connectors.length > 0) {
+      const others = connectors.length > 0 ? ", joints, cables" : "";
+      named(folder.add(choices, "marks"), "marks", `Boundary conditions, loads${others} (m)`);
+    }
     named(folder.add(choices, "drawing", ["auto", "full", "light"]), "drawing", "Graphics").onChange(events.drawing);
     named(folder.add(choices, "theme", ["auto", "light", "dark"]), "theme", "Theme").onChange((choice: ThemeChoice) =>
       theme.choose(choice),

@@ -85,6 +85,7 @@ export class LiveApp {
       state: (state) => this.setState(state),
       status: (status) => {
         this.headUp.set(status);
+        if (status.drives) this.panel?.followDrives(status.drives);
         this.strip.add(status);
         this.shell.inspected.status = status;
         if (this.tools) this.tools.force = status.hand_force ?? null;

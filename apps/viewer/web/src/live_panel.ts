@@ -163,6 +163,13 @@ export class LivePanel {
     for (const [key, widget] of this.widgets) if (key !== this.busy) widget.show(values);
   }
 
+  /** Motors and cables that the scene moves by itself. */
+  followDrives(drives: Record<string, number>): void {
+    Object.assign(this.state.values, drives);
+    const values = this.valuesShown();
+    for (const key of Object.keys(drives)) if (key !== this.busy) this.widgets.get(key)?.show(values);
+  }
+
   /** After a refusal: every control back to what the program has. */
   restore(): void {
     this.busy = null;

@@ -66,6 +66,22 @@ const mark = object({
 });
 export type Mark = Read<typeof mark>;
 
+/** A joint, spring or cable: lines between points, and dots at some of them. */
+const connector = object({
+  kind: text, // as in the scene: "hinge", "spring", "cable"
+  name: text,
+  points: list(
+    object({
+      at: optional(vector), // a point of the ground [m]
+      vertices: optional(list(number)), // else the weighted sum of these
+      weights: optional(list(number)),
+    }),
+  ),
+  lines: list(list(number)), // pairs of points
+  dots: list(number),
+});
+export type Connector = Read<typeof connector>;
+
 /** Header of a live scene and of a recording. */
 const headerShape = {
   title: text,
@@ -79,6 +95,7 @@ const headerShape = {
   fields: list(readField),
   colliders: optional(list(collider)),
   marks: optional(list(mark)),
+  connectors: optional(list(connector)),
   forces_per_metre: optional(flag), // in 2D: forces and energies are those of a metre of depth; if it is not there, too
 };
 
@@ -149,6 +166,7 @@ const status = object({
   kinetic_energy: measurement, // [J]
   hand_force: optional(nullable(measurement)), // [N]; null: nothing is held
   words: text,
+  drives: optional(record(number)), // present values of motors and cables, by the keys of their controls
   warnings: optional(list(text)), // warnings beside the state: cells too coarse or inverted
 });
 export type Status = Read<typeof status>;

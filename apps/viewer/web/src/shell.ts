@@ -126,6 +126,7 @@ export class Shell {
       arrows: () => this.viewport?.arrows,
       arrowBox: () => this.viewport?.sceneMarks.arrowBox ?? [],
       loadFactors: () => this.viewport?.sceneMarks.factors ?? [],
+      connectorPoints: () => this.viewport?.connectors.points ?? [],
       dotPlaces: () => this.viewport?.sceneMarks.dotVertices ?? [],
       colliderPlaces: () => this.viewport?.colliders.firstPlaces ?? [],
       seenAt: (vertex: number) => this.seenAt(vertex),

@@ -3,6 +3,7 @@
 import * as THREE from "three";
 import { sceneUniforms } from "./body_shader";
 import { Colliders } from "./colliders";
+import { Connectors } from "./connectors";
 import { Ground } from "./ground";
 import { Marks } from "./marks";
 import { Orbit } from "./orbit";
@@ -94,6 +95,7 @@ export class Viewport {
   private shownMap: ColorMap = "viridis";
   readonly labels = new Labels();
   readonly sceneMarks: SceneMarks;
+  readonly connectors: Connectors;
   private readonly heldMarks: HeldMarks;
   private readonly faceLoads: FaceLoads;
   /** Bounding box of a whole run, for the camera: null where only the shown frame is known. */
@@ -131,6 +133,8 @@ export class Viewport {
       this.labels,
       header.parts,
     );
+    this.connectors = new Connectors(header.connectors ?? [], this.extent);
+    this.extras.add(this.connectors.group);
     this.heldMarks = new HeldMarks(this.extent, this.uniforms);
     this.faceLoads = new FaceLoads(topology.restPositions, this.extent);
     this.extras.add(this.sceneMarks.group, this.heldMarks.group, this.faceLoads.group);
@@ -211,6 +215,7 @@ export class Viewport {
     );
     if (frame.colliders) this.colliders.move(frame.colliders);
     this.sceneMarks.update(frame);
+    this.connectors.update(frame.positions);
     this.heldMarks.update(frame.positions);
     this.faceLoads.update(frame.positions);
     this.sectionIsOld = true;
@@ -264,6 +269,7 @@ export class Viewport {
       else surface.showLines(shown && (look.wireframe || this.flat), false, look.wireframe ? 0.55 : 0.22);
     });
     this.sceneMarks.setVisible(look.marks);
+    this.connectors.group.visible = look.marks;
     this.vectors.choose(look.arrows);
     this.orbit.setParallel(look.parallel);
     if (look.colorMap !== this.shownMap) {
@@ -316,6 +322,7 @@ export class Viewport {
   setDark(dark: boolean): void {
     this.uniforms.dark.value = dark;
     this.vectors.setDark(dark);
+    this.connectors.setDark(dark);
     this.changed = true;
   }
 
@@ -325,6 +332,7 @@ export class Viewport {
     const box = (this.reach ?? (now.isEmpty() ? this.restBox : now)).clone().union(now);
     if (this.look.colliders) this.colliders.widen(box, 2 * this.extent);
     this.sceneMarks.widen(box);
+    this.connectors.widen(box);
     this.faceLoads.widen(box);
     if (this.groundHeight !== null) {
       const up = new THREE.Vector3(...this.header.up);
@@ -420,6 +428,7 @@ export class Viewport {
     const { camera } = this.orbit;
     this.uniforms.pixels.value = this.renderer.getPixelRatio();
     this.marks.follow(this.orbit);
+    this.connectors.follow(this.orbit);
     this.labels.follow(this.orbit);
     if (this.sectionIsOld)
       this.section.update(this.look.cut && !this.flat ? this.frame : null, this.uniforms.cut.value);
@@ -438,6 +447,7 @@ export class Viewport {
     this.surfaces.forEach((surface) => surface.dispose());
     this.colliders.dispose();
     this.sceneMarks.dispose();
+    this.connectors.dispose();
     this.heldMarks.dispose();
     this.faceLoads.dispose();
     this.section.dispose();
