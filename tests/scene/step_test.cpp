@@ -160,6 +160,27 @@ TEST(Steps, GoOnFromACheckpointInsideOneToTheSameBits) {
   EXPECT_TRUE(a == b);
 }
 
+/// Each step gets as many increments, however long it is.
+TEST(Steps, OfUnequalDurationHaveEqualNumbersOfIncrements) {
+  std::string text = press_and_release;
+  for (const auto& [name, duration] : {std::pair{"move", "0.001"}, {"hold", "1000"}, {"again", "7"}})
+    text = changed(text, "name = \"" + std::string(name) + "\"\n",
+                   "name = \"" + std::string(name) + "\"\nduration = " + duration + "\n");
+  Simulation block(read_text(text).description);
+  std::vector<double> times;
+  while (!block.is_finished()) {
+    const StepReport report = block.step();
+    ASSERT_EQ(report.status, StepReport::Status::converged) << report.reason;
+    times.push_back(block.state().time);
+  }
+  const std::vector<double> asked = {0.5,      1,        1.0005,   1.001,    501.001,
+                                     1001.001, 1001.501, 1002.001, 1005.501, 1009.001};
+  ASSERT_EQ(times.size(), asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_NEAR(times[i], asked[i], 1e-9 * asked[i]);
+  Simulation equal(read_text(press_and_release).description);
+  EXPECT_LT((end_of(equal) - block.state().positions).norm(), 1e-7);
+}
+
 TEST(Steps, RefuseInOneLineWhatIsWrong) {
   struct Wrong {
     std::string from, to, message;

@@ -37,17 +37,63 @@ double turn_between(const World& world, double load, double next) {
   return largest_turn(world, world.at_load(load), world.at_load(next));
 }
 
-/// The next load factor that a step has to meet: one of k / load_steps, so that a scene gets the frames that
-/// it asked for, or one where something that follows time begins, ends or has a kink.
+/// Equal increments that a scene asks for between two load factors.
+struct Increments {
+  double from = 0, to = 1;
+  int count = 1;
+  double share = 1;  ///< one over the number of steps of the scene
+  double length() const { return (to - from) / count; }
+};
+
+/// Those of the whole run, or of the step in which a load factor lies where steps differ in duration.
+Increments increments_at(const World& world, double load) {
+  const Increments all{.count = world.load_steps};
+  const std::size_t num_steps = world.steps.size();
+  const auto begin_of = [&](std::size_t i) { return i == 0 ? 0 : world.steps[i - 1].end / world.path_time; };
+  const auto end_of = [&](std::size_t i) { return i + 1 == num_steps ? 1 : begin_of(i + 1); };
+  constexpr double rounding = 1e-9;
+  bool differ = false;
+  for (std::size_t i = 0; i < num_steps && world.path_time > 0; ++i)
+    differ = differ || std::abs(end_of(i) - begin_of(i) - 1.0 / static_cast<double>(num_steps)) > rounding;
+  if (!differ) return all;
+  std::size_t in = 0;
+  while (in + 1 < num_steps && end_of(in) <= load + rounding * (end_of(in) - begin_of(in))) ++in;
+  return {.from = begin_of(in),
+          .to = end_of(in),
+          .count = world.load_steps / static_cast<int>(num_steps),
+          .share = 1.0 / static_cast<double>(num_steps)};
+}
+
+/// Length of the increments that a scene asks for at a load factor.
+double asked_increment(const World& world, double load) { return increments_at(world, load).length(); }
+
+/// The smallest increment, so much shorter where a step of the scene is short.
+double smallest_increment(const World& world, double load) {
+  const Increments increments = increments_at(world, load);
+  return smallest_load_increment * (increments.to - increments.from) / increments.share;
+}
+
+/// The next load factor that a step has to meet: the end of an increment, so that a scene gets the frames
+/// that it asked for, or one where something that follows time begins, ends or has a kink.
 double next_stop(const World& world, double load) {
-  const double asked = std::floor(load * world.load_steps + 1e-9) + 1;
-  double stop = std::min(asked / world.load_steps, 1.0);
+  const Increments increments = increments_at(world, load);
+  const double length = increments.to - increments.from;
+  const double asked = std::floor((load - increments.from) / length * increments.count + 1e-9) + 1;
+  double stop = std::min(increments.from + asked / increments.count * length, increments.to);
   if (world.path_time == 0) return stop;
   for (const double time : world.event_times) {
     const double event = time / world.path_time;
     if (event > load + 1e-12 && event < stop - 1e-12) stop = event;
   }
   return stop;
+}
+
+/// An increment that has been learnt in the step of the scene before counts beside those asked for.
+void enter_step(const World& world, State& state) {
+  const Increments now = increments_at(world, state.load);
+  if (state.load == 0 || now.from != state.load) return;
+  const Increments before = increments_at(world, 0.5 * (state.load + state.previous_load));
+  if (before.to == now.from) state.load_increment *= now.length() / before.length();
 }
 
 /// The load factor of the next attempt. What is left up to the next stop is shared equally when it takes
@@ -150,7 +196,7 @@ LoadControl::LoadControl(const World& world) {
 }
 
 void LoadControl::prepare(const World& world, State& state) const {
-  state.load_increment = 1.0 / world.load_steps;
+  state.load_increment = asked_increment(world, 0);
   state.previous_positions = state.positions;
 }
 
@@ -178,6 +224,8 @@ StepReport LoadControl::step(const World& world, Newton& newton, State& state,
 StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& state,
                                      const NewtonObserver& observer) {
   StepReport report;
+  const double whole = asked_increment(world, state.load),
+               smallest_any = smallest_increment(world, state.load);
   bool is_tight = false, was_held = false;
   Equilibrium near;  // from where springs have led bodies that friction holds
   while (true) {
@@ -193,7 +241,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     NewtonSettings settings = newton_settings(world);
     if (is_tight) settings.tolerance = std::min(settings.tolerance, tight_tolerance);
     const double length = load - state.load;
-    if (length < 0.99 / world.load_steps && 0.5 * length >= smallest_load_increment)
+    if (length < 0.99 * whole && 0.5 * length >= smallest_any)
       settings.max_iterations = std::min(settings.max_iterations, most_iterations_of_a_shortened_step);
     StageReport searched = solve_stage(potential, world.is_fixed, plan.targets, {}, settings,
                                        {.friction_rounds = world.friction_iterations}, newton, x, observer);
@@ -214,7 +262,7 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     const double delay = potential.conditions().delay;
     if (search.converged() && imbalance.empty() && delay == 0) {
       const std::optional<Jump> jump = jump_of_step(world, newton, state, x, load, observer, report.newton);
-      if (jump && jump->is_avoidable && 0.5 * length >= smallest_share_of_path / world.load_steps) {
+      if (jump && jump->is_avoidable && 0.5 * length >= smallest_share_of_path * whole) {
         ++report.failed_attempts;  // smaller steps stay on the path that this one has left
         state.load_increment = 0.5 * length;
         continue;
@@ -240,7 +288,8 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
       move_to(state, std::move(x), load);
       state.time = plan.conditions.time;
       if (search.iterations < quick_convergence)
-        state.load_increment = std::min(load_growth * state.load_increment, 1.0 / world.load_steps);
+        state.load_increment = std::min(load_growth * state.load_increment, whole);
+      enter_step(world, state);
       return report;
     }
     ++report.failed_attempts;
@@ -249,13 +298,13 @@ StepReport LoadControl::step_in_load(const World& world, Newton& newton, State& 
     const bool is_out_of_digits = search.status == NewtonReport::Status::out_of_digits &&
                                   report.failed_attempts > most_attempts_without_digits;
     const bool has_path = !world.friction && world.path_time == 0;  // arc length can follow it
-    if (state.load_increment < smallest_load_increment && !is_tight && !is_out_of_digits &&
+    if (state.load_increment < smallest_any && !is_tight && !is_out_of_digits &&
         settings.tolerance > tight_tolerance) {
       is_tight = true;
-      state.load_increment = 1.0 / world.load_steps;
+      state.load_increment = whole;
       continue;
     }
-    const double smallest = is_tight ? smallest_tight_share / world.load_steps : smallest_load_increment;
+    const double smallest = is_tight ? smallest_tight_share * whole : smallest_any;
     if (state.load_increment < smallest || is_out_of_digits) {
       const double stop = next_stop(world, state.load);
       const std::optional<FrictionHold> hold =
