@@ -76,9 +76,8 @@ void check_radii(const BodyDescription& description, const VectorX& rest_positio
   for (Eigen::Index node = first_node; node < rest_positions.size() / 2; ++node) {
     const double r = rest_positions[2 * node];
     if (r >= -slack) continue;
-    const std::string name =
-        description.mesh_name.empty() ? description.place + ".mesh" : description.mesh_name;
-    throw InputError(name + ": vertex " + std::to_string(node - first_node),
+    const std::string name = description.mesh_name.empty() ? "" : " (" + description.mesh_name + ")";
+    throw InputError(description.place + ".mesh" + name + ": vertex " + std::to_string(node - first_node),
                      "a radius r >= 0: the mesh crosses the axis", format_number(r),
                      "x is the radius: move the body with translate, or mesh the half section alone");
   }
