@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,8 +15,10 @@
 #include "resilin/core/csv_cell.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/fields/scalar_field.hpp"
 #include "resilin/fit/plot_frame.hpp"
 #include "resilin/io/atomic_file.hpp"
+#include "resilin/results/line_values.hpp"
 #include "resilin/results/saved_report.hpp"
 #include "terminal.hpp"
 
@@ -27,7 +30,10 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 struct PlotOptions {
   std::string folder, x = "time", title;
   std::vector<std::string> y, out;
-  bool lists = false;
+  bool lists = false, smallest = false;
+  std::vector<double> along;  ///< two points
+  std::string body;
+  int frame = -1;
 };
 
 /// Numbers of a run over its frames, by name.
@@ -111,7 +117,10 @@ class Series {
   std::vector<std::string> steps_;
 };
 
-/// Unit of what a name means; empty for a number without.
+constexpr std::string_view distance_name = "distance";
+std::string smallest_of(const std::string& field) { return "smallest " + field; }
+
+/// Unit of a quantity by its name; empty for a number without.
 std::string unit_of(std::string_view name) {
   const auto has = [name](std::string_view word) { return name.find(word) != name.npos; };
   if (name == "time") return "s";
@@ -123,6 +132,9 @@ std::string unit_of(std::string_view name) {
   if (has(".force") || has(".normal_force")) return "N";
   if (has(".pressure") || has(".mean_pressure")) return "Pa";
   if (has(".area") || has(".reference_area")) return "m^2";
+  if (name == distance_name) return "m";
+  for (const ScalarField& field : scalar_fields(3))
+    if (name == field.name || name == smallest_of(field.name)) return field.field->unit;
   return has("gap") || has(".center") || has(".extent") || has(".width") ? "m" : "";
 }
 
@@ -265,6 +277,50 @@ Image picture_of(const Plot& plot) {
   return plot_image(plot.frame(), plot.title, plot.horizontal, plot.vertical, curves, plot.marks);
 }
 
+/// The line of `--along`.
+SurfaceLine line_of(const PlotOptions& options) {
+  const std::size_t dim = options.along.size() / 2;
+  if (options.along.size() != 4 && options.along.size() != 6)
+    throw InputError("--along", "two points: 4 numbers in 2D, 6 in 3D", std::to_string(options.along.size()));
+  SurfaceLine line{.dimension = static_cast<int>(dim), .body = options.body};
+  for (std::size_t i = 0; i < dim; ++i) {
+    line.from[static_cast<Eigen::Index>(i)] = options.along[i];
+    line.to[static_cast<Eigen::Index>(i)] = options.along[dim + i];
+  }
+  return line;
+}
+
+/// The smallest of the finite numbers; nan where there are none.
+double smallest(const std::vector<double>& values) {
+  double least = missing;
+  for (const double value : values)
+    if (!(value >= least) && std::isfinite(value)) least = value;
+  return least;
+}
+
+/// Curves of fields along a line, or their smallest values over the frames.
+struct CurvesAlong {
+  std::vector<double> distances;
+  std::vector<std::vector<double>> values;
+
+  CurvesAlong(const std::filesystem::path& folder, const PlotOptions& options) {
+    if (!std::filesystem::is_directory(folder))
+      throw InputError("--along", "the folder of a run", '"' + one_line(folder.string()) + '"');
+    const SurfaceLine line = line_of(options);
+    for (const std::string& field : options.y) {
+      const LineValues found = values_along(
+          folder, line, field, options.smallest ? std::nullopt : std::optional<int>(options.frame));
+      distances = found.distances;
+      if (!options.smallest) {
+        values.push_back(found.frames.front());
+        continue;
+      }
+      values.emplace_back();
+      for (const std::vector<double>& frame : found.frames) values.back().push_back(smallest(frame));
+    }
+  }
+};
+
 int plot(const PlotOptions& options) {
   const std::filesystem::path folder = options.folder;
   const std::filesystem::path path = std::filesystem::is_directory(folder) ? folder / "report.json" : folder;
@@ -276,24 +332,39 @@ int plot(const PlotOptions& options) {
   }
   if (options.y.empty())
     throw InputError("--y", "the name of what to plot, once or more", "none", "--list prints all names");
-  const Curve x{options.x, &series.find(options.x, "--x")};
+  if (options.along.empty() && (options.smallest || !options.body.empty()))
+    throw InputError(options.smallest ? "--smallest" : "--body", "--along with two points beside it", "none");
+  std::optional<CurvesAlong> line;
+  if (!options.along.empty()) line.emplace(folder, options);
+  const bool is_over_line = line && !options.smallest;
+  const Curve x = is_over_line ? Curve{std::string(distance_name), &line->distances}
+                               : Curve{options.x, &series.find(options.x, "--x")};
   std::vector<Curve> ys;
-  for (const std::string& name : options.y) ys.push_back({name, &series.find(name, "--y")});
-  const std::string title = options.title.empty() ? options.y[0] : options.title;
-  if (options.out.empty()) print_text(csv(x, ys, series.steps()));
+  for (std::size_t i = 0; i < options.y.size(); ++i) {
+    const std::string& name = options.y[i];
+    ys.push_back(!line              ? Curve{name, &series.find(name, "--y")}
+                 : options.smallest ? Curve{smallest_of(name), &line->values[i]}
+                                    : Curve{name, &line->values[i]});
+    if (ys.back().values->size() != x.values->size())
+      throw InputError(path.string(), "as many frames as the report has",
+                       std::to_string(ys.back().values->size()) + " of " + std::to_string(x.values->size()));
+  }
+  const std::vector<std::string> steps = is_over_line ? std::vector<std::string>() : series.steps();
+  const std::string title = options.title.empty() ? ys[0].name : options.title;
+  if (options.out.empty()) print_text(csv(x, ys, steps));
   for (const std::string& file : options.out) {
     const std::string ending = std::filesystem::path(file).extension().string();
     if (ending != ".csv" && ending != ".svg" && ending != ".png")
       throw InputError(one_line(file), "a name that ends in .csv, .svg or .png",
                        '"' + one_line(ending) + '"');
   }
-  const Plot drawn(title, x, ys, series.steps());
+  const Plot drawn(title, x, ys, steps);
   for (const std::string& file : options.out) {
     const std::string ending = std::filesystem::path(file).extension().string();
     if (ending == ".png") {
       write_png(file, picture_of(drawn));
     } else {
-      write_text(file, ending == ".csv" ? csv(x, ys, series.steps()) : svg(drawn));
+      write_text(file, ending == ".csv" ? csv(x, ys, steps) : svg(drawn));
     }
     print_line("wrote " + one_line(file));
   }
@@ -319,11 +390,27 @@ void add_plot(CommandLine& line, Action& action) {
       .is_file({"csv", "svg", "png"});
   command.option("--title", options->title, "Title of the picture").type_name("TEXT");
   command.flag("--list", options->lists, "List the quantities of the run");
+  command
+      .option("--along", options->along,
+              "Ends of a line in the reference configuration: X Y X Y in 2D, X Y Z X Y Z in 3D. --y then "
+              "names fields, such as contact_pressure, on the surface nearest to the line")
+      .values(4, 6)
+      .type_name("X Y ...");
+  command.option("--body", options->body, "With --along: the body; default: the nearest").type_name("NAME");
+  const Option frame =
+      command.option("--frame", options->frame, "With --along: number of the frame; default -1, the last")
+          .type_name("N");
+  command
+      .flag("--smallest", options->smallest,
+            "With --along: the smallest value on the line, over the frames, such as the contact_pressure "
+            "around a seal, which tells where it leaks first")
+      .excludes(frame);
   command.footer(
       "Names: time, load, probe.NAME.displacement.x, reaction.NAME.y, contact.A.B.force, "
       "contact.COLLIDER.pressure, energy.elastic, ...; a vector without a component is its length. "
       "In scenes with steps a table gives the step of each row, and a picture has a line where each ends.\n"
-      "Example:\n  resilin plot out/plug --x time --y reaction.plate.y --out force.svg\n\n"
+      "Examples:\n  resilin plot out/plug --x time --y reaction.plate.y --out force.svg\n"
+      "  resilin plot out/o_ring --y contact_pressure --along 0.01 0 0.012 0 --out leak.svg\n\n"
       "Exit codes: 0 done; 1 the input is wrong.");
   command.on_chosen([options, &action] { action = [options] { return plot(*options); }; });
 }

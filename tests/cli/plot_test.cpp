@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "program.hpp"
 #include "temporary_folder.hpp"
 
@@ -77,6 +79,67 @@ TEST_F(Plots, TellTheStepsAndTheContactOfColliders) {
   for (const char* name :
        {"contact.plate.area [m^2]\n", "contact.plate.force.y [N]\n", "contact.plate.center.x [m]\n"})
     EXPECT_THAT(list.out, HasSubstr(name));
+}
+
+/// A sheet that is compressed evenly: its displacement is linear along a side.
+TEST_F(Plots, TellFieldsAlongALineAndTheirSmallestValues) {
+  folder.write("sheet.toml", R"(
+[simulation]
+dimension = 2
+load_steps = 2
+[[body]]
+name = "sheet"
+mesh = { box = { size = [1, 1], cells = [3, 3], origin = [-1, 0] } }
+material = { law = "neo_hookean", youngs_modulus = 1e6, poissons_ratio = 0.3 }
+[[fix]]
+where = { group = "y_min" }
+components = "y"
+[[fix]]
+where = { group = "x_max" }
+components = "x"
+[[fix]]
+name = "top"
+where = { group = "y_max" }
+components = "y"
+displacement = [0, -0.1]
+)");
+  ASSERT_EQ(run_program(folder.path(), {"run", "sheet.toml", "--out", "out", "--quiet"}).exit_code, 0);
+  const ProgramResult line = plot({"--y", "displacement.y", "--along", "-1", "0", "-1", "1"});
+  EXPECT_EQ(line.exit_code, 0) << line.err;
+  std::istringstream rows(line.out);
+  std::string row;
+  std::getline(rows, row);
+  EXPECT_EQ(row, "distance [m],displacement.y [m]");
+  int num_rows = 0;
+  for (; std::getline(rows, row); ++num_rows) {
+    const std::size_t comma = row.find(',');
+    EXPECT_NEAR(std::stod(row.substr(comma + 1)), -0.1 * std::stod(row), 1e-8) << row;
+  }
+  EXPECT_EQ(num_rows, 201);
+  // Half of the way at half of the load, by its smallest value on the line.
+  const ProgramResult least =
+      plot({"--x", "load", "--smallest", "--y", "displacement.y", "--along", "-1", "0", "-1", "1"});
+  EXPECT_EQ(least.exit_code, 0) << least.err;
+  std::istringstream loads(least.out);
+  std::getline(loads, row);
+  EXPECT_EQ(row, "load,smallest displacement.y [m]");
+  for (int i = 0; i <= 2; ++i) {
+    ASSERT_TRUE(std::getline(loads, row));
+    EXPECT_NEAR(std::stod(row), 0.5 * i, 1e-12);
+    EXPECT_NEAR(std::stod(row.substr(row.find(',') + 1)), -0.05 * i, 1e-8);
+  }
+  for (const auto& [arguments, expected] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--y", "displacment", "--along", "0", "0", "0", "1"}, "did you mean \"displacement\"?"},
+           {{"--y", "displacement", "--along", "0", "0", "0", "0"}, "two different points"},
+           {{"--y", "displacement", "--along", "0", "0", "0", "1", "--body", "shet"}, "\"sheet\""},
+           {{"--y", "displacement", "--along", "0", "0", "0", "0", "1", "0"}, "a scene in 2D: 4 numbers"},
+           {{"--y", "displacement", "--smallest"}, "--along with two points"},
+           {{"--y", "displacement", "--along", "0", "0", "0", "1", "--frame", "9"}, "0 to 2"},
+       }) {
+    const ProgramResult refused = plot(arguments);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, HasSubstr(expected));
+  }
 }
 
 TEST_F(Plots, RefuseInOneLineWhatTheyCannotPlot) {
