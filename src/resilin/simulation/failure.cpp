@@ -15,7 +15,9 @@ namespace resilin {
 namespace {
 
 constexpr double all_but_flat = 0.05;  ///< a volume ratio of which every body is told
-constexpr double far_stretched = 2;    ///< a stretch beyond which the volume says little
+/// A volume ratio that cells with one pressure hardly have as a whole.
+constexpr double lost_at_a_point = 0.5;
+constexpr double far_stretched = 2;  ///< a stretch beyond which the volume says little
 
 /// "cell 12 at (0.1, 0.2, 0)": the middle of its rest shape.
 std::string cell_text(const World& world, const Body& body, Index cell) {
@@ -46,11 +48,18 @@ Stretched most_stretched(const Body& body, const VectorX& positions) {
   return most;
 }
 
+/// A point of a cell with one pressure may lose the volume that the whole cell keeps.
+std::string mixed_text(const Body& body, double ratio) {
+  if (!body.element.starts_with("P2P0") || !(ratio < lost_at_a_point)) return {};
+  return " (P2P0 keeps the volume of whole cells, not of their points: take element = \"P2\", or \"Q1P0\" on "
+         "quadrilaterals or hexahedra)";
+}
+
 /// Where the material of a body suffers most.
 std::string strain_text(const World& world, const Body& body, const VectorX& positions) {
   const auto [ratio, flat_cell] = body.domains.min_volume_ratio(positions);
-  std::string text =
-      "; its smallest volume ratio is " + format_short(ratio) + ", in " + cell_text(world, body, flat_cell);
+  std::string text = "; its smallest volume ratio is " + format_short(ratio) + ", in " +
+                     cell_text(world, body, flat_cell) + mixed_text(body, ratio);
   const Stretched most = most_stretched(body, positions);
   if (!(most.stretch <= far_stretched))
     text +=
