@@ -311,6 +311,32 @@ TEST(Jumps, OfABarThatIsTurnedTooFarAreTold) {
   }
 }
 
+/// One end of a bar turns by 360 degrees about the middle of the bar, or about the other end. The bar is then
+/// without stress only if it has jumped: to its mirror image, or twice with a small part of its energy.
+TEST(Jumps, ThatLoseLittleAreToldInLongSteps) {
+  Description plane = small_bar(2, false), space = small_bar(3, false);
+  plane.bodies[0].mesh = make_quadrilateral_rectangle({1, 0.25}, {8, 1});
+  plane.bodies[0].element = "Q1";
+  plane.bodies[0].material.law = "stable_neo_hookean";
+  space.bodies[0].mesh = make_box({1, 0.5, 0.25}, {4, 1, 1});
+  space.bodies[0].element = "P2";
+  space.bodies[0].material.law = "neo_hookean";
+  plane.fixes.push_back(plane.fixes[0]);
+  plane.fixes[1].rotate = Rotation{.center = {0.5, 0.125, 0}, .degrees = 360};
+  space.fixes.push_back(space.fixes[0]);
+  space.fixes[1].rotate = Rotation{.center = {0, 0.25, 0.125}, .degrees = 360};
+  for (Description scene : {plane, space})
+    for (const int load_steps : {1, 8, 24}) {
+      scene.gravity.setZero();
+      scene.bodies[0].material.constants = {{"youngs_modulus", 1e5}, {"poissons_ratio", 0.3}};
+      scene.fixes[1].where.at = 1;
+      scene.load_steps = load_steps;
+      const Simulation simulation = run_all(scene);
+      EXPECT_LT(simulation.frame().elastic_energy, 1e-9);
+      EXPECT_GT(simulation.state().jumps, 0) << scene.dimension << "D, " << load_steps << " increments";
+    }
+}
+
 TEST(ArcLength, GivesTheSameBitsAfterARestart) { expect_same_bits_after_a_checkpoint(shallow_arch(), 9); }
 
 TEST(ArcLength, EndsAfterTheNumberOfStepsThatTheSceneAllows) {

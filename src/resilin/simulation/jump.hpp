@@ -14,7 +14,7 @@ struct Equilibrium {
 };
 
 /// Bodies that went from one equilibrium to another far away while the loads hardly changed: they snapped
-/// through, slipped off or unwound, and lost strain energy on the way.
+/// through, slipped off or unwound, and lost strain energy on the way; or their reactions changed signs.
 struct Jump {
   double energy = 0;        ///< energy lost [J]
   double from = 0, to = 0;  ///< load factors between which
