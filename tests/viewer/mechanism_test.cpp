@@ -25,7 +25,6 @@ namespace {
 using nlohmann::json;
 using resilin::testing::source_folder;
 using resilin::testing::TemporaryFolder;
-using ::testing::Contains;
 using ::testing::HasSubstr;
 
 constexpr StepBudget unhurried{.seconds = std::numeric_limits<double>::infinity()};
@@ -326,6 +325,7 @@ TEST(Mechanism, ThePageListsItsDrivesAndDrawsItsConnectors) {
   EXPECT_EQ(header["controls"][0]["unit"], "rad");
   ASSERT_EQ(header["connectors"].size(), 2u);
   EXPECT_EQ(header["connectors"][1]["kind"], "ball");
+  EXPECT_TRUE(header["marks"].empty()) << "a motor is no load";
   scene.apply(SetControl{.value = 0.3, .drive = "drive.shoulder"});
   EXPECT_EQ(scene.state()["values"]["drive.shoulder"], 0.3);
   for (int i = 0; i < 100; ++i) scene.step(3600);

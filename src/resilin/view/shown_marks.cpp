@@ -97,6 +97,12 @@ ShownMark mark_of_load(const World& world, const Energy& term, const ShownSurfac
   return made;
 }
 
+/// Motors and cables are drawn by themselves: see shown_connectors.
+bool is_of_connector(const TermOrigin& origin) {
+  using enum TermOrigin::Kind;
+  return origin.kind == joint || origin.kind == spring || origin.kind == cable;
+}
+
 }  // namespace
 
 std::vector<Index> thinned(const std::vector<Index>& all, std::size_t most) {
@@ -117,9 +123,12 @@ std::vector<ShownMark> shown_marks(const World& world, const ShownSurface& surfa
   };
   for (const Support& support : world.supports)
     add(mark_at(ShownMark::Kind::support, support.name, support.nodes, most_support_vertices, surface));
-  for (const auto& term : world.terms)
-    if (term->properties().category == EnergyCategory::external && term->name() != "gravity")
-      add(mark_of_load(world, *term, surface));
+  for (std::size_t i = 0; i < world.terms.size(); ++i) {
+    const Energy& term = *world.terms[i];
+    const bool is_connector = i < world.origins.size() && is_of_connector(world.origins[i]);
+    if (term.properties().category == EnergyCategory::external && term.name() != "gravity" && !is_connector)
+      add(mark_of_load(world, term, surface));
+  }
   for (const Probe& probe : world.probes)
     if (probe.carriers.empty()) add(mark_at(ShownMark::Kind::probe, probe.name, {probe.node}, 1, surface));
   return marks;
