@@ -13,6 +13,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/parallel.hpp"
 #include "resilin/mesh/check.hpp"
+#include "resilin/mesh/curved_cells.hpp"
 #include "resilin/mesh/delaunay.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/generators.hpp"
@@ -243,6 +244,123 @@ TEST(FittedMesh, FewCellsAreEnough) {
   for (const int cells : {1, 60, 200}) {
     const Mesh ball = ball_surface(1, Vector3::Zero(), 3);
     expect_fitted(make_fitted_mesh(ball, "a.stl", {cells}), ball, {.volume = 0.1, .distance = 0.3});
+  }
+}
+
+/// Remembered sides are those of the winding number, near the surface and far from it.
+TEST(SurfacePlaces, KnowTheSameInsideWhetherOrNotPointsAreExpected) {
+  const Mesh ball = ball_surface(1, Vector3::Zero(), 3);
+  Mesh open = ball, turned = ball;
+  open.blocks[0].nodes.resize(open.blocks[0].nodes.size() - 3 * 4);
+  remove_unused_nodes(open);
+  for (std::size_t t = 0; t < turned.blocks[0].nodes.size(); t += 9)
+    std::swap(turned.blocks[0].nodes[t], turned.blocks[0].nodes[t + 1]);
+  const Mesh hollow = joined(ball, ball_surface(0.6, Vector3::Zero(), 3), Vector3::Zero(), true);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1.3, 1.3);
+  for (const Mesh& mesh : {ball, torus(0.8, 0.2), hollow, joined(ball, ball, {0.8, 0.1, 0}), open, turned,
+                           cuboid({1, 0.01, 1}), washer(0.9, 1, 0.02)}) {
+    const SolidSurface surface = make_solid_surface(mesh, "a");
+    const SurfacePlaces plain(surface);
+    SurfacePlaces expecting(surface);
+    EXPECT_FALSE(expecting.is_known_outside({100, 0, 0}));
+    expecting.expect_points(0.1);
+    EXPECT_TRUE(expecting.is_known_outside({100, 0, 0}));
+    // A node of the tree that holds both walls of a cavity errs as a dipole, rarely by a half.
+    int num_inside = 0, num_different = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vector3 X(uniform(random), i % 2 == 0 ? uniform(random) : 0.005, uniform(random));
+      num_inside += plain.is_inside(X) ? 1 : 0;
+      num_different += plain.is_inside(X) != expecting.is_inside(X) ? 1 : 0;
+    }
+    EXPECT_LE(num_different, 40);
+    EXPECT_GT(num_inside, 10);
+  }
+}
+
+FittedMesh quadratic(const Mesh& surface, int cells) {
+  return make_fitted_mesh(surface, "a.stl", {.cells = cells, .is_quadratic = true});
+}
+
+/// Nodes of the boundary and the middles of its sides lie on the surface; the volume is that of the surface
+/// to a fraction of the error of flat sides, and no cell is folded.
+TEST(FittedMesh, QuadraticCellsEndAtTheTrueSurface) {
+  for (const Mesh& surface : {ball_surface(1, {3, 0, 0}, 5), torus(1, 0.6), washer(0.4, 1, 0.3)}) {
+    const SolidSurface solid = make_solid_surface(surface, "a");
+    const SurfacePlaces places(solid);
+    const FittedMesh fitted = quadratic(surface, 1500);
+    const CellBlock& cells = fitted.mesh.blocks[0];
+    ASSERT_EQ(cells.kind, CellKind::tetrahedron10);
+    EXPECT_TRUE(cell_signs(fitted.mesh, cells).folded.empty());
+    EXPECT_NEAR(fitted.volume_ratio, 1, 2e-3);
+    EXPECT_NEAR(exact_volume(fitted.mesh, cells), fitted.volume_ratio * fitted.volume, 1e-9 * fitted.volume);
+    std::vector<Index> rim = boundary(cells).facets.nodes;
+    std::ranges::sort(rim);
+    rim.erase(std::ranges::unique(rim).begin(), rim.end());
+    std::size_t num_off = 0;
+    for (const Index v : rim) {
+      const Vector3& X = fitted.mesh.vertices[static_cast<std::size_t>(v)];
+      if ((places.nearest(X).X - X).norm() > 1e-4 * fitted.cell_size) ++num_off;
+    }
+    EXPECT_LE(num_off, rim.size() / 6);  // those that had to stay, for the cell's sake
+  }
+}
+
+/// The wall is thinner than the sagitta of the chords: straight cells alone would cross it.
+TEST(FittedMesh, QuadraticCellsOfThinCurvedWallsStayValid) {
+  const Mesh tube = washer(0.49, 0.5, 0.6);
+  const FittedMesh fitted = quadratic(tube, 3000);
+  EXPECT_TRUE(cell_signs(fitted.mesh, fitted.mesh.blocks[0]).folded.empty());
+  EXPECT_NEAR(fitted.volume_ratio, 1, 0.02);
+}
+
+/// A thick plate with a thin web: the web gets cells as short as it is thick, the plate does not.
+TEST(FittedMesh, MinSizeGradesCellsToWallsAndCurvature) {
+  const double wall = 0.05;
+  const Mesh profile =
+      revolved({{0.4, 0}, {1, 0}, {1, 0.4}, {0.4 + wall, 0.4}, {0.4 + wall, 1}, {0.4, 1}}, 64);
+  const auto shortest_and_longest = [](const FittedMesh& fitted) {
+    double shortest = 1e9, longest = 0;
+    for (const auto& [a, b] : edges(fitted.mesh.blocks[0])) {
+      const double length = (fitted.mesh.vertices[static_cast<std::size_t>(a)] -
+                             fitted.mesh.vertices[static_cast<std::size_t>(b)])
+                                .norm();
+      shortest = std::min(shortest, length);
+      longest = std::max(longest, length);
+    }
+    return std::pair(shortest, longest);
+  };
+  const FittedMesh even = make_fitted_mesh(profile, "a.stl", {.size = 0.2}),
+                   graded = make_fitted_mesh(profile, "a.stl", {.size = 0.2, .min_size = wall}),
+                   coarse = make_fitted_mesh(profile, "a.stl", {.size = 0.2, .min_size = 0.2});
+  EXPECT_GT(graded.mesh.blocks[0].num_cells(), 3 * even.mesh.blocks[0].num_cells());
+  EXPECT_LE(coarse.mesh.blocks[0].num_cells(), even.mesh.blocks[0].num_cells());
+  expect_fitted(graded, profile, {.volume = 0.01, .angle = 5});
+  const auto [shortest, longest] = shortest_and_longest(graded);
+  EXPECT_GT(shortest, 0.2 * wall);
+  EXPECT_GT(longest, 0.2);  // inside the plate cells stay large
+}
+
+TEST(CurvedCells, BendOnlyAsFarAsTheyStayValid) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0},     {1, 0, 0},   {0, 1, 0},   {0, 0, 1},     {0.5, 0, 0},
+                   {0.5, 0.5, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {0, 0.5, 0.5}, {0.5, 0, 0.5}};
+  mesh.block(CellKind::tetrahedron10).nodes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  ASSERT_TRUE(cell_signs(mesh, mesh.blocks[0]).folded.empty());
+  EXPECT_NEAR(exact_volume(mesh, mesh.blocks[0]), 1.0 / 6, 1e-15);
+  Mesh near = mesh, far = mesh;
+  const Vector3 bulge(0.6, 0.6, 0);
+  EXPECT_EQ(bend_edges(near, std::array{BentEdge{5, bulge}}), 0);
+  EXPECT_EQ(near.vertices[5], bulge);
+  EXPECT_GT(exact_volume(near, near.blocks[0]), 1.0 / 6);
+  // At (0, 0, 0) the middle of the opposite edge would fold the cell; so would one next to a corner.
+  for (const Vector3& wanted : {Vector3(0, 0, 0), Vector3(0.95, 0.05, 0), Vector3(0.5, 0.5, 3)}) {
+    Mesh folded = mesh;
+    folded.vertices[5] = wanted;
+    const bool is_folded = !cell_signs(folded, folded.blocks[0]).folded.empty();
+    far = mesh;
+    EXPECT_EQ(bend_edges(far, std::array{BentEdge{5, wanted}}), is_folded ? 1 : 0) << wanted.transpose();
+    EXPECT_TRUE(cell_signs(far, far.blocks[0]).folded.empty());
   }
 }
 

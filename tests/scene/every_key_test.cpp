@@ -59,7 +59,8 @@ TEST(EveryKey, OfThePageIsInTheScene) {
       continue;
     if (key == "branches") continue;  // in place of g and tau; see scene_test.cpp
     if (key == "library") continue;   // in place of law and constants; see material_library_test.cpp
-    if (key == "mesher") continue;    // only for a surface; see surface_mesh_test.cpp
+    // Only for a surface; see surface_mesh_test.cpp.
+    if (key == "mesher" || key == "min_size") continue;
     if (key == "disc" || key == "ring") continue;  // only in 2D; see round_mesh_test.cpp
     EXPECT_NE(scene.find(key), scene.npos) << key;
   }

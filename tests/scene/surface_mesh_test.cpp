@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "resilin/io/mesh_file.hpp"
+#include "resilin/mesh/curved_cells.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/quality.hpp"
 #include "resilin/simulation/simulation.hpp"
@@ -68,10 +69,7 @@ void expect_converged(const Scene& scene, double outside) {
   while (!simulation.is_finished()) ASSERT_EQ(simulation.step().status, StepReport::Status::converged);
 }
 
-double volume_of(const Mesh& mesh) {
-  const auto volumes = signed_volumes(mesh, mesh.blocks[0]);
-  return std::accumulate(volumes.begin(), volumes.end(), 0.0);
-}
+double volume_of(const Mesh& mesh) { return exact_volume(mesh, mesh.blocks[0]); }
 
 constexpr double volume_of_ball = 4.09;  // volume of ball of radius 1, by its 512 triangles
 
@@ -235,6 +233,26 @@ TEST(SizeOfCells, TakesThePlaceOfTheirNumber) {
   EXPECT_GT(count("size = 0.1"), 4 * count("size = 0.2"));
   EXPECT_THAT(input_error([&] { count("size = 0.1, cells = 10"); }), HasSubstr("replaces cells"));
   EXPECT_THAT(input_error([&] { count("size = 1e-5"); }), HasSubstr("a size of cells"));
+  EXPECT_THAT(input_error([&] { count("size = 0.1, min_size = 0.2"); }),
+              HasSubstr("min_size: expected at most the size, 0.1, got 0.2"));
+  EXPECT_THAT(input_error([&] { count("min_size = 0.1, mesher = \"lattice\""); }),
+              HasSubstr("is for fitted cells"));
+  EXPECT_THAT(input_error([&] { count("min_size = 0"); }), HasSubstr("min_size: expected a number > 0"));
+}
+
+TEST_F(SurfaceMesh, IsCurvedForQuadraticElementsAlone) {
+  write_ball();
+  const auto mesh_of = [&](const std::string& element) {
+    return read_scene_from_text("[[body]]\nmesh = \"ball.stl\"\nelement = \"" + element + "\"\n", "a.toml",
+                                folder.path(), {})
+        .description.bodies[0]
+        .mesh;
+  };
+  for (const char* element : {"P2", "P2P0", "auto"})
+    EXPECT_EQ(mesh_of(element).blocks[0].kind, CellKind::tetrahedron10) << element;
+  EXPECT_EQ(mesh_of("P1").blocks[0].kind, CellKind::tetrahedron);
+  const Mesh mesh = mesh_of("P2");
+  EXPECT_NEAR(exact_volume(mesh, mesh.blocks[0]), volume_of_ball, 2e-3 * volume_of_ball);
 }
 
 /// Surfaces of other projects, as they are or as the rim of a mesh.

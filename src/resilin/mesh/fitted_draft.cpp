@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <unordered_map>
+#include <set>
 
 #include "resilin/core/parallel.hpp"
 #include "resilin/mesh/edit.hpp"
@@ -34,6 +34,9 @@ constexpr double most_turning = std::numbers::pi / 3;  // most turning of a line
 constexpr double flat_enough = 0.07;                   // tolerance of sides of cells from the surface
 constexpr double thin_enough = 0.2;                    // the same by the thickness of the solid
 constexpr double finest_edge = 0.12;                   // points are not added nearer to others
+// Inside of graded cells: share of the edges below which finer points come, growth of edges by the distance
+// from shorter ones, distance up to which short edges count.
+constexpr double finer_inside = 0.7, grading = 0.5, reach_of_grading = 1.5;
 constexpr int most_line_splits = 6, most_refinements = 6;
 constexpr std::size_t most_growth = 4;  // largest growth of the number of points, by refinement
 constexpr std::size_t points_per_chunk = 64;
@@ -44,9 +47,22 @@ constexpr std::array<std::array<std::size_t, 3>, 4> side_nodes = {
 /// Points in cubes, to find near ones.
 class PointCubes {
  public:
-  explicit PointCubes(double size) : size_(size) {}
+  explicit PointCubes(double size) : size_(size), slots_(64) {}
 
-  void add(const Vector3& X, Index number) { cubes_[key(cube(X))].push_back({X, number}); }
+  void add(const Vector3& X, Index number) {
+    if (2 * (num_cubes_ + 1) > slots_.size()) grow();
+    Slot& slot = slots_[find(key(cube(X)))];
+    const auto added = static_cast<Index>(points_.size());
+    points_.push_back({X, number, -1});
+    if (slot.first < 0) {
+      slot.key = key(cube(X));
+      slot.first = added;
+      ++num_cubes_;
+    } else {
+      points_[static_cast<std::size_t>(slot.last)].next = added;
+    }
+    slot.last = added;
+  }
 
   /// Calls `visit(point, number)` for all that are nearer than the size of the cubes, and some more.
   template <class Visit>
@@ -55,14 +71,24 @@ class PointCubes {
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy)
         for (int dz = -1; dz <= 1; ++dz) {
-          const auto found = cubes_.find(key({center[0] + dx, center[1] + dy, center[2] + dz}));
-          if (found == cubes_.end()) continue;
-          for (const auto& [point, number] : found->second) visit(point, number);
+          Index i = slots_[find(key({center[0] + dx, center[1] + dy, center[2] + dz}))].first;
+          for (; i >= 0; i = points_[static_cast<std::size_t>(i)].next)
+            visit(points_[static_cast<std::size_t>(i)].X, points_[static_cast<std::size_t>(i)].number);
         }
   }
 
  private:
   using Cube = std::array<std::int64_t, 3>;
+  struct Slot {
+    std::int64_t key = 0;
+    Index first = -1, last = -1;  ///< points of the cube; -1: the slot is free
+  };
+  struct Point {
+    Vector3 X;
+    Index number;
+    Index next;  ///< point of the same cube, -1 after the last
+  };
+
   Cube cube(const Vector3& X) const {
     Cube result{};
     for (std::size_t i = 0; i < 3; ++i)
@@ -73,8 +99,25 @@ class PointCubes {
     return (c[0] & 0x1fffff) | (c[1] & 0x1fffff) << 21 | (c[2] & 0x1fffff) << 42;
   }
 
+  /// The slot of a cube, or the free one where it belongs: open addressing, a power of two of slots.
+  std::size_t find(std::int64_t key) const {
+    const std::uint64_t hash = static_cast<std::uint64_t>(key) * 0x9e3779b97f4a7c15ULL;
+    std::size_t slot = (hash ^ hash >> 32) & (slots_.size() - 1);
+    while (slots_[slot].first >= 0 && slots_[slot].key != key) slot = (slot + 1) & (slots_.size() - 1);
+    return slot;
+  }
+
+  void grow() {
+    std::vector<Slot> old(2 * slots_.size());
+    old.swap(slots_);
+    for (const Slot& slot : old)
+      if (slot.first >= 0) slots_[find(slot.key)] = slot;
+  }
+
   double size_;
-  std::unordered_map<std::int64_t, std::vector<std::pair<Vector3, Index>>> cubes_;
+  std::size_t num_cubes_ = 0;
+  std::vector<Slot> slots_;
+  std::vector<Point> points_;
 };
 
 std::int64_t edge_key(Index a, Index b) {
@@ -100,8 +143,13 @@ std::uint64_t morton(const Delaunay::Point& p) {
 
 }  // namespace
 
-FittedDraft::FittedDraft(const SurfacePlaces& places, double spacing)
-    : places_(&places), spacing_(spacing), edge_(edge_share * spacing) {
+FittedDraft::FittedDraft(const SurfacePlaces& places, double spacing, double finest)
+    : places_(&places),
+      spacing_(spacing),
+      edge_(edge_share * spacing),
+      finest_(finest > 0 ? std::clamp(finest, edge_ / most_grading, edge_) : finest_size * edge_),
+      is_graded_(finest > 0 && finest_ < edge_),
+      least_gap_(std::min(finest_edge * edge_, 0.5 * finest_)) {
   const BoundingBox box = bounding_box(places.surface().mesh);
   middle_ = 0.5 * (box.min + box.max);
   unit_ = (box.max - box.min).maxCoeff() / (Delaunay::extent / 4);
@@ -219,7 +267,7 @@ void FittedDraft::add_surface() {
         } else if (other.normal.dot(place.normal) > 0.3) {
           is_free = distance >= disk_radius * size;
         } else {  // the other side of a thin wall
-          is_free = distance >= finest_edge * edge_;
+          is_free = distance >= least_gap_;
         }
       };
       if (is_free) cubes.visit_near(place.X, check);
@@ -239,31 +287,43 @@ void FittedDraft::add_surface() {
   };
   try_places(disk_radius * edge_, [&](const SurfacePlace&) { return edge_; });
   // Where the surface is curved there are more.
-  const std::size_t last = vertices_.size();
-  parallel_for(last - first, points_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = first + begin; i < first + end; ++i) {
-      bool is_near_line = false;
-      cubes.visit_near(vertices_[i].X, [&](const Vector3&, Index v) {
-        if (vertices_[static_cast<std::size_t>(v)].kind != Kind::surface) is_near_line = true;
-      });
-      if (!is_near_line)
-        vertices_[i].size = size_at({vertices_[i].X, vertices_[i].normal, vertices_[i].triangle});
-    }
-  });
-  double finest = edge_;
-  for (std::size_t i = first; i < last; ++i) finest = std::min(finest, vertices_[i].size);
-  if (finest < 0.9 * edge_)
-    try_places(disk_radius * finest, [&](const SurfacePlace& place) {
-      double least = std::numeric_limits<double>::infinity(), size = 0;
-      cubes.visit_near(place.X, [&](const Vector3& X, Index v) {
-        const FittedVertex& other = vertices_[static_cast<std::size_t>(v)];
-        const double distance = (X - place.X).squaredNorm();
-        if (other.kind != Kind::surface || distance >= least || other.normal.dot(place.normal) < 0) return;
-        least = distance;
-        size = other.size;
-      });
-      return size < 0.9 * edge_ ? size : 0.0;
+  const auto is_near_line = [&](const Vector3& place) {
+    bool is_found = false;
+    cubes.visit_near(place, [&](const Vector3&, Index v) {
+      if (vertices_[static_cast<std::size_t>(v)].kind != Kind::surface) is_found = true;
     });
+    return is_found;
+  };
+  const auto size_of_nearest = [&](const SurfacePlace& place) {
+    double least = std::numeric_limits<double>::infinity(), size = 0;
+    cubes.visit_near(place.X, [&](const Vector3& X, Index v) {
+      const FittedVertex& other = vertices_[static_cast<std::size_t>(v)];
+      const double distance = (X - place.X).squaredNorm();
+      if (other.kind != Kind::surface || distance >= least || other.normal.dot(place.normal) < 0) return;
+      least = distance;
+      size = other.size;
+    });
+    return size < 0.9 * edge_ ? size : 0.0;
+  };
+  double tried = edge_;
+  for (std::size_t seen = first; seen < vertices_.size();) {
+    const std::size_t last = vertices_.size();
+    parallel_for(last - seen, points_per_chunk, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = seen + begin; i < seen + end; ++i) {
+        FittedVertex& vertex = vertices_[i];
+        const SurfacePlace place{vertex.X, vertex.normal, vertex.triangle};
+        if (!is_near_line(vertex.X)) vertex.size = size_at(place);
+        if (is_graded_) vertex.size = std::max(finest_, std::min(vertex.size, places_->thickness(place)));
+      }
+    });
+    double finest = edge_;
+    for (std::size_t i = first; i < last; ++i) finest = std::min(finest, vertices_[i].size);
+    seen = last;
+    if (!(finest < 0.9 * tried)) break;
+    try_places(disk_radius * finest, size_of_nearest);
+    tried = finest;
+    if (!is_graded_) break;
+  }
   parallel_for(vertices_.size() - first, points_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = first + begin; i < first + end; ++i)
       vertices_[i].thickness = places_->thickness({vertices_[i].X, vertices_[i].normal});
@@ -272,14 +332,26 @@ void FittedDraft::add_surface() {
 
 /// From how much the normal turns within half an edge on four sides.
 double FittedDraft::size_at(const SurfacePlace& place) const {
-  const double step = 0.4 * edge_;
+  double size = edge_;
+  while (true) {
+    const double step = 0.4 * size;
+    const double wanted =
+        size * std::clamp(edge_turning * step / size / std::max(most_turning_near(place, step), 1e-9),
+                          finest_size, 1.0);
+    if (!is_graded_ || wanted > 0.95 * size || wanted <= finest_) return std::max(wanted, finest_);
+    size = wanted;
+  }
+}
+
+/// Largest angle between the normal and those a step away on four sides [rad].
+double FittedDraft::most_turning_near(const SurfacePlace& place, double step) const {
   const Vector3 u = place.normal.unitOrthogonal(), v = place.normal.cross(u);
   double most = 0;
   for (const Vector3& way : {u, Vector3(-u), v, Vector3(-v)}) {
     const SurfacePlace other = places_->nearest(place.X + step * way, place.triangle);
     most = std::max(most, std::acos(std::clamp(other.normal.dot(place.normal), -1.0, 1.0)));
   }
-  return edge_ * std::clamp(edge_turning * step / edge_ / std::max(most, 1e-9), finest_size, 1.0);
+  return most;
 }
 
 void FittedDraft::add_inside() {
@@ -303,12 +375,70 @@ void FittedDraft::add_inside() {
     for (std::size_t i = begin; i < end; ++i) {
       const Vector3& X = lattice[i];
       if (!(box.min.array() < X.array()).all() || !(X.array() < box.max.array()).all()) continue;
-      if (places_->is_near(X, inside_clearance * spacing_) || !places_->is_inside(X)) continue;
+      if (places_->is_known_outside(X) || places_->is_near(X, inside_clearance * spacing_) ||
+          !places_->is_inside(X))
+        continue;
       is_taken[i] = 1;
     }
   });
   for (std::size_t i = 0; i < lattice.size(); ++i)
     if (is_taken[i] != 0) vertices_.push_back({.X = lattice[i], .kind = Kind::inside});
+  if (is_graded_) add_finer_inside();
+}
+
+/// Points of lattices with halves, quarters, ... of the spacing where edges on the surface nearby are
+/// shorter.
+void FittedDraft::add_finer_inside() {
+  std::vector<std::size_t> fine;
+  PointCubes cubes(reach_of_grading * spacing_), inside(0.5 * spacing_);
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    const FittedVertex& vertex = vertices_[v];
+    if (vertex.kind == Kind::inside) inside.add(vertex.X, static_cast<Index>(v));
+    if (vertex.kind != Kind::surface || vertex.size > finer_inside * edge_) continue;
+    fine.push_back(v);
+    cubes.add(vertex.X, static_cast<Index>(v));
+  }
+  const auto wanted_at = [&](const Vector3& X) {
+    double wanted = edge_;
+    cubes.visit_near(X, [&](const Vector3& place, Index v) {
+      wanted = std::min(wanted, vertices_[static_cast<std::size_t>(v)].size + grading * (X - place).norm());
+    });
+    return wanted;
+  };
+  for (double spacing = 0.5 * spacing_; spacing > finer_inside * finest_; spacing *= 0.5) {
+    const double largest = finer_inside * edge_share * 2 * spacing;  // wanted edges of points of this lattice
+    std::set<std::array<std::int64_t, 3>> nodes;  // in halves of the spacing: all even or all odd
+    for (const std::size_t v : fine) {
+      const double reach = std::min((largest - vertices_[v].size) / grading, reach_of_grading * spacing_);
+      if (!(reach > 0)) continue;
+      std::array<std::int64_t, 3> low{}, high{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto axis = static_cast<Eigen::Index>(i);
+        const double at = vertices_[v].X[axis] - middle_[axis];
+        low[i] = static_cast<std::int64_t>(std::ceil(2 * (at - reach) / spacing));
+        high[i] = static_cast<std::int64_t>(std::floor(2 * (at + reach) / spacing));
+      }
+      for (std::int64_t k = low[2]; k <= high[2]; ++k)
+        for (std::int64_t j = low[1]; j <= high[1]; ++j)
+          for (std::int64_t i = low[0]; i <= high[0]; ++i)
+            if ((i & 1) == (j & 1) && (j & 1) == (k & 1)) nodes.insert({k, j, i});
+    }
+    for (const auto& [k, j, i] : nodes) {
+      const Vector3 X =
+          middle_ +
+          0.5 * spacing * Vector3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+      if (wanted_at(X) > largest || places_->is_known_outside(X) ||
+          places_->is_near(X, inside_clearance * spacing) || !places_->is_inside(X))
+        continue;
+      bool is_free = true;
+      inside.visit_near(X, [&](const Vector3& other, Index) {
+        is_free = is_free && (other - X).norm() > inside_clearance * spacing;
+      });
+      if (!is_free) continue;
+      inside.add(X, static_cast<Index>(vertices_.size()));
+      vertices_.push_back({.X = X, .kind = Kind::inside});
+    }
+  }
 }
 
 Delaunay::Point FittedDraft::grid_point(const Vector3& X) const {
@@ -371,7 +501,7 @@ void FittedDraft::split_lines() {
         const auto a = static_cast<std::size_t>(sequence[i]), b = static_cast<std::size_t>(sequence[i + 1]);
         if (std::ranges::binary_search(edges, edge_key(number_of_[a], number_of_[b]))) continue;
         const double size = (vertices_[a].X - vertices_[b].X).norm();
-        if (size < 2 * finest_edge * edge_) continue;
+        if (size < 2 * least_gap_) continue;
         const Vector3 halfway = 0.5 * (vertices_[a].X + vertices_[b].X);
         const double s = line.nearest(halfway);
         const Vector3 X = line.at(s);

@@ -29,8 +29,13 @@ class FittedDraft {
  public:
   using Nodes = std::array<Index, 4>;
 
+  static constexpr double most_grading =
+      20;  ///< largest ratio of `spacing` to the shortest edges that are wanted
+
   /// @param spacing  of the lattice inside, about the edge length of the cells [m]
-  FittedDraft(const SurfacePlaces& places, double spacing);
+  /// @param finest   length of edges where the surface is curved or walls are thin, at least, and never below
+  ///                 `spacing` by `most_grading` [m]; 0: two fifths of the spacing where it is curved
+  FittedDraft(const SurfacePlaces& places, double spacing, double finest = 0);
 
   /// Moves the points towards the middles of the cells around them and connects them anew.
   void relax();
@@ -41,6 +46,8 @@ class FittedDraft {
   double spacing() const { return spacing_; }
   /// Pairs of vertices that are neighbours on a line, smaller first, sorted.
   std::vector<std::array<Index, 2>> line_edges() const;
+  /// Vertices along each line of `features()`.
+  const std::vector<std::vector<Index>>& sequences() const { return sequences_; }
 
  private:
   struct Side {
@@ -58,6 +65,7 @@ class FittedDraft {
   void add_line(Index line, std::vector<Index>& sequence);
   void add_surface();
   void add_inside();
+  void add_finer_inside();
   Index near_feature(const Vector3& X) const;
   Delaunay::Point grid_point(const Vector3& X) const;
   void connect();
@@ -68,14 +76,17 @@ class FittedDraft {
   void refine_all();
   std::size_t refine();
   double size_at(const SurfacePlace& place) const;
+  double most_turning_near(const SurfacePlace& place, double step) const;
 
   const SurfacePlaces* places_;
-  double spacing_, edge_;
+  double spacing_, edge_, finest_;
+  bool is_graded_;    ///< by the thickness of walls too, and as far as `finest_`
+  double least_gap_;  ///< between points that are added and others [m]
   Vector3 middle_;
   double unit_;  ///< unit of the Delaunay grid [m]
   SurfaceFeatures features_;
   std::vector<FittedVertex> vertices_;
-  std::vector<std::vector<Index>> sequences_;  ///< vertices along each line
+  std::vector<std::vector<Index>> sequences_;
   Delaunay delaunay_;
   std::vector<Index> number_of_, vertex_of_;  ///< between vertices and points of `delaunay_`
   std::vector<Known> known_;

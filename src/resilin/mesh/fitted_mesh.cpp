@@ -10,9 +10,11 @@
 
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/mesh/curved_cells.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/fitted_draft.hpp"
 #include "resilin/mesh/improve_tetrahedra.hpp"
+#include "resilin/mesh/second_order.hpp"
 #include "resilin/mesh/topology.hpp"
 
 namespace resilin {
@@ -26,21 +28,31 @@ constexpr double near_at_first = 0.2,
 constexpr int most_attempts = 4;
 constexpr int fewest_cells = 60;  // fewer follow no surface
 constexpr int relaxations = 3;
-constexpr double wanted_sine = 0.3;  // 17 degrees
+constexpr double inside_distance = 0.5;  // distance of points inside from the surface, by the spacing
+constexpr double wanted_sine = 0.3;      // 17 degrees
 constexpr int improvement_passes = 10;
+constexpr int most_in_crumb = 4;  // cells of a part that is dropped
 constexpr double least_sine_allowed = 1e-3;
 // While cells are improved, by the spacing: movement along the surface, distance of sides from it.
 constexpr double most_slide = 0.8, most_gap = 0.08;
 constexpr int fitting_rounds = 2;
-constexpr double most_fit = 0.1;   // largest movement of a vertex to fit the sides, relative to the spacing
-constexpr double good_sine = 0.2;  // a better one is not given up for it: 11.5 degrees
+constexpr double most_fit = 0.1;  // largest movement of a vertex to fit the sides, relative to the spacing
+// Middles of edges of quadratic cells, by the length of the edge: least and largest movement onto the
+// surface.
+constexpr double least_bend = 1e-5, most_bend = 0.25;
+constexpr double smooth_cosine = 0.5;  // between sides of cells at an edge that is no sharp one
+constexpr double good_sine = 0.2;      // a better one is not given up for it: 11.5 degrees
 
 class FittedMaker {
  public:
-  FittedMaker(const Mesh& surface, const std::string& name)
-      : name_(name), surface_(make_solid_surface(without_copies(surface), name)), places_(surface_) {}
+  FittedMaker(const Mesh& surface, const std::string& name, const FittedMeshOptions& options)
+      : name_(name),
+        min_size_(options.min_size),
+        is_quadratic_(options.is_quadratic),
+        surface_(make_solid_surface(without_copies(surface), name)),
+        places_(surface_) {}
 
-  FittedMesh make_by_size(double size) const {
+  FittedMesh make_by_size(double size) {
     require_volume(surface_, name_);
     const double count = count_at(size);
     if (count > FittedMeshOptions::most_cells || count < 1)
@@ -48,12 +60,16 @@ class FittedMaker {
                        "a size of cells that makes 1 to " + std::to_string(FittedMeshOptions::most_cells),
                        format_short(size) + ", which makes about " + format_short(count),
                        "sizes are lengths of the file, before scale");
-    return finish(draft_of(size));
+    places_.expect_points(inside_distance * size);
+    FittedDraft draft(places_, size, min_size_);
+    relax(draft);
+    return finish(draft);
   }
 
-  FittedMesh make(int wanted) const {
+  FittedMesh make(int wanted) {
     require_volume(surface_, name_);
     double spacing = first_spacing(wanted);
+    places_.expect_points(inside_distance * spacing);
     // Drafts whose points do not move yet bring the spacing near; of those that do, some more cells come.
     double too_small = 0, too_large = std::numeric_limits<double>::infinity(), power = 0.4;
     const auto next = [&](double count) {
@@ -62,17 +78,18 @@ class FittedMaker {
       if (spacing <= too_small || spacing >= too_large) spacing = std::sqrt(too_small * too_large);
     };
     const auto miss = [&](double count) { return std::abs(std::log(count / wanted)); };
-    for (int attempt = 0; attempt < most_attempts; ++attempt) {
-      const double count = count_of(FittedDraft(places_, spacing));
-      if (miss(count) < near_at_first) break;
-      next(count);
+    FittedDraft best(places_, spacing, min_size_);
+    for (int attempt = 0; attempt < most_attempts && miss(count_of(best)) >= near_at_first; ++attempt) {
+      next(count_of(best));
+      best = FittedDraft(places_, spacing, min_size_);
     }
     too_small = 0;
     too_large = std::numeric_limits<double>::infinity();
-    FittedDraft best = draft_of(spacing);
+    relax(best);
     for (int attempt = 1; attempt < most_attempts && miss(count_of(best)) > near_enough; ++attempt) {
       next(count_of(best));
-      FittedDraft draft = draft_of(spacing);
+      FittedDraft draft(places_, spacing, min_size_);
+      relax(draft);
       const bool is_beyond = (count_of(draft) > wanted) != (count_of(best) > wanted);
       const bool is_better = miss(count_of(draft)) < miss(count_of(best));
       if (is_better) best = std::move(draft);
@@ -104,10 +121,8 @@ class FittedMaker {
     return std::max(static_cast<double>(draft.cells().size()), 0.1);  // its logarithm is taken
   }
 
-  FittedDraft draft_of(double spacing) const {
-    FittedDraft draft(places_, spacing);
+  static void relax(FittedDraft& draft) {
     for (int i = 0; i < relaxations; ++i) draft.relax();
-    return draft;
   }
 
   /// About how many cells there will be.
@@ -186,8 +201,9 @@ class FittedMaker {
     const auto line_edges = draft.line_edges();
     const VertexGuide guide = guide_for(draft, set, draft_vertex, line_edges);
     improve_tetrahedra(set, guide, wanted_sine, improvement_passes);
-    fit_sides(set, draft, draft_vertex);
+    if (!is_quadratic_) fit_sides(set, draft, draft_vertex);
     part_pinches(set);
+    drop_crumbs(set);
     double flattest = 1;
     for (const Nodes& cell : set.cells) flattest = std::min(flattest, quality_of(set, cell));
     if (set.cells.empty() || !(flattest > least_sine_allowed))
@@ -208,18 +224,93 @@ class FittedMaker {
       };
       volume += (X(1) - X(0)).dot((X(2) - X(0)).cross(X(3) - X(0))) / 6;
     }
-    remove_unused_nodes(fitted.mesh);
+    const std::vector<Index> new_number = remove_unused_nodes(fitted.mesh);
+    if (is_quadratic_) {
+      std::vector<Index> from(fitted.mesh.vertices.size());
+      for (std::size_t v = 0; v < new_number.size(); ++v)
+        if (new_number[v] >= 0) from[static_cast<std::size_t>(new_number[v])] = draft_vertex[v];
+      curve(fitted.mesh, draft, from);
+      volume = exact_volume(fitted.mesh, fitted.mesh.blocks[0]);
+    }
     if (fitted.volume > 0) fitted.volume_ratio = volume / fitted.volume;
     fitted.remarks = remarks_on(surface_, name_);
-    const auto count_parts = [](const Mesh& mesh) {
-      return connected_components(mesh.blocks[0], static_cast<Index>(mesh.vertices.size())).count;
-    };
-    const Index num_shells = count_parts(surface_.mesh), num_parts = count_parts(fitted.mesh);
-    if (num_parts > num_shells)
+    const Index num_parts =
+        connected_components(fitted.mesh.blocks[0], static_cast<Index>(fitted.mesh.vertices.size())).count;
+    if (num_parts > num_shells())
       fitted.remarks.push_back(name_ + ": its cells form " + std::to_string(num_parts) +
-                               " disconnected parts, the surface has " + std::to_string(num_shells) +
+                               " disconnected parts, the surface has " + std::to_string(num_shells()) +
                                "; more cells resolve its thinnest walls");
     return fitted;
+  }
+
+  /// Gives the cells nodes in the middles of their edges; those on the boundary go onto the surface or its
+  /// sharp edges, those of edges through walls between.
+  /// @param draft_vertex  of each vertex of the mesh
+  void curve(Mesh& mesh, const FittedDraft& draft, const std::vector<Index>& draft_vertex) const {
+    using Edge = std::array<Index, 2>;
+    const auto edge_of = [](Index a, Index b) { return Edge{std::min(a, b), std::max(a, b)}; };
+    std::map<Edge, Index> line_of;  // by vertices of the draft
+    for (std::size_t l = 0; l < draft.sequences().size(); ++l) {
+      const std::vector<Index>& sequence = draft.sequences()[l];
+      for (std::size_t i = 0; i + 1 < sequence.size(); ++i)
+        line_of[edge_of(sequence[i], sequence[i + 1])] = static_cast<Index>(l);
+    }
+    std::map<Edge, std::array<Vector3, 2>> normals_at;  // normals of the two sides at an edge
+    std::vector<Vector3> normals_of(mesh.vertices.size(), Vector3::Zero());  // normals of vertices, by area
+    const CellBlock rim = boundary(mesh.blocks[0]).facets;
+    for (Index f = 0; f < rim.num_cells(); ++f) {
+      const auto nodes = rim.cell(f);
+      const auto X = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(nodes[i])]; };
+      const Vector3 area = (X(1) - X(0)).cross(X(2) - X(0)), normal = area.normalized();
+      for (std::size_t i = 0; i < 3; ++i) {
+        normals_of[static_cast<std::size_t>(nodes[i])] += area;
+        const auto [at, is_first] =
+            normals_at.try_emplace(edge_of(nodes[i], nodes[(i + 1) % 3]), std::array{normal, normal});
+        if (!is_first) at->second[1] = normal;
+      }
+    }
+    const auto from = [&](Index v) { return draft_vertex[static_cast<std::size_t>(v)]; };
+    const auto place_of = [&](const Edge& edge, const Vector3& middle,
+                              const std::array<Vector3, 2>& normals) -> Vector3 {
+      if (const auto line = line_of.find(edge_of(from(edge[0]), from(edge[1]))); line != line_of.end()) {
+        const CreaseLine& crease = draft.features().lines[static_cast<std::size_t>(line->second)];
+        return crease.at(crease.nearest(middle));
+      }
+      if (normals[0].dot(normals[1]) < smooth_cosine) return middle;
+      const Index hint = draft.vertices()[static_cast<std::size_t>(from(edge[0]))].triangle;
+      const SurfacePlace place = places_.nearest(middle, hint);
+      const bool is_same_side = place.normal.dot((normals[0] + normals[1]).normalized()) > smooth_cosine;
+      return is_same_side && (!places_.has_overlaps() || places_.is_rim(place)) ? place.X : middle;
+    };
+    // Edges through a wall bend with it: the sagitta of an arc whose normals turn from one end to the other.
+    const auto place_inside = [&](const Edge& edge, const Vector3& middle) -> Vector3 {
+      for (const Index v : edge)
+        if (draft.vertices()[static_cast<std::size_t>(from(v))].kind != Kind::surface) return middle;
+      const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
+      Vector3 normal = normals_of[a].normalized();
+      const Vector3 other = normals_of[b].normalized();
+      if (normal.dot(other) > -smooth_cosine) return middle;  // both on one side, or around a corner
+      normal = -normal;
+      const double sagitta = (mesh.vertices[b] - mesh.vertices[a]).dot(other - normal) / 8;
+      return middle + sagitta * (normal + other).normalized();
+    };
+    SecondOrderMesh finer = second_order(mesh);
+    std::vector<BentEdge> bent;
+    for (std::size_t i = 0; i < finer.ends.size(); ++i) {
+      const Edge& edge = finer.ends[i];
+      const auto middle = static_cast<Index>(mesh.vertices.size() + i);
+      const Vector3& X = finer.mesh.vertices[static_cast<std::size_t>(middle)];
+      const auto normals = normals_at.find(edge);
+      const Vector3 wanted =
+          normals == normals_at.end() ? place_inside(edge, X) : place_of(edge, X, normals->second);
+      const double length = (mesh.vertices[static_cast<std::size_t>(edge[0])] -
+                             mesh.vertices[static_cast<std::size_t>(edge[1])])
+                                .norm();
+      const double bend = (wanted - X).norm();
+      if (bend > least_bend * length && bend < most_bend * length) bent.push_back({middle, wanted});
+    }
+    bend_edges(finer.mesh, bent);
+    mesh = std::move(finer.mesh);
   }
 
   /// Moves vertices of curved surfaces so that the sides of the cells, rather than their corners, lie on it
@@ -284,6 +375,24 @@ class FittedMaker {
     return block;
   }
 
+  /// Drops disconnected parts of a few cells, where there are more parts than shells of the surface: bits of
+  /// walls that are too thin for the cells, which nothing holds.
+  void drop_crumbs(TetrahedronSet& set) const {
+    const Components parts = connected_components(block_of(set), static_cast<Index>(set.positions.size()));
+    if (parts.count <= num_shells()) return;
+    std::vector<int> sizes(static_cast<std::size_t>(parts.count), 0);
+    for (const Index part : parts.of_cell) ++sizes[static_cast<std::size_t>(part)];
+    std::vector<Nodes> kept;
+    for (std::size_t c = 0; c < set.cells.size(); ++c)
+      if (sizes[static_cast<std::size_t>(parts.of_cell[c])] > most_in_crumb) kept.push_back(set.cells[c]);
+    if (!kept.empty()) set.cells = std::move(kept);
+  }
+
+  Index num_shells() const {
+    return connected_components(surface_.triangles(), static_cast<Index>(surface_.mesh.vertices.size()))
+        .count;
+  }
+
   /// Where cells hang together by a vertex or an edge alone, drops all but the largest fan of them.
   static void part_pinches(TetrahedronSet& set) {
     const auto volume = [&](const Nodes& cell) {
@@ -336,6 +445,8 @@ class FittedMaker {
   }
 
   const std::string& name_;
+  double min_size_;
+  bool is_quadratic_;
   SolidSurface surface_;
   SurfacePlaces places_;
 };
@@ -346,8 +457,9 @@ FittedMesh make_fitted_mesh(const Mesh& surface, const std::string& name, const 
   if (options.cells < 1 || options.cells > FittedMeshOptions::most_cells)
     throw InputError(name, "a number of cells from 1 to " + std::to_string(FittedMeshOptions::most_cells),
                      std::to_string(options.cells));
-  if (options.size > 0) return FittedMaker(surface, name).make_by_size(options.size);
-  return FittedMaker(surface, name).make(std::max(options.cells, fewest_cells));
+  FittedMaker maker(surface, name, options);
+  return options.size > 0 ? maker.make_by_size(options.size)
+                          : maker.make(std::max(options.cells, fewest_cells));
 }
 
 }  // namespace resilin

@@ -13,6 +13,10 @@ struct FittedMeshOptions {
 
   int cells = 4000;  ///< tetrahedra that are wanted; as a rule what comes is within a tenth of it
   double size = 0;   ///< edge length of the cells, in place of their number [m]; 0 where that is given
+  /// Least edge length of cells where the surface is curved or walls are thin [m]; 0: two fifths of the
+  /// others where it is curved.
+  double min_size = 0;
+  bool is_quadratic = false;  ///< cells with nodes in the middles of their edges, on the surface too
 };
 
 /// Tetrahedra whose boundary follows a surface.

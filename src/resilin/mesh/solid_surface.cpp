@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "resilin/core/error.hpp"
+#include "resilin/mesh/box_tree.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/quality.hpp"
+#include "resilin/mesh/topology.hpp"
 
 namespace resilin {
 namespace {
@@ -42,6 +44,20 @@ std::vector<Side> sides_of(const CellBlock& triangles) {
   std::ranges::stable_sort(
       sides, [](const Side& a, const Side& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
   return sides;
+}
+
+/// Edges along which triangles go more often one way than the other.
+CellBlock unbalanced_edges(const CellBlock& triangles) {
+  CellBlock edges{.kind = CellKind::line, .nodes = {}};
+  const std::vector<Side> sides = sides_of(triangles);
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    int sum = 0;
+    for (; end < sides.size() && sides[end].low == sides[begin].low && sides[end].high == sides[begin].high;
+         ++end)
+      sum += sides[end].is_rising ? 1 : -1;
+    if (sum != 0) edges.nodes.insert(edges.nodes.end(), {sides[begin].low, sides[begin].high});
+  }
+  return edges;
 }
 
 /// Across edges of exactly two triangles.
@@ -125,6 +141,23 @@ double volume_of(const Mesh& mesh, const CellBlock& triangles) {
 }
 
 }  // namespace
+
+bool is_closed(const CellBlock& triangles) {
+  return triangles.num_cells() > 0 && unbalanced_edges(triangles).num_cells() == 0;
+}
+
+std::vector<OpenRim> open_rims(const Mesh& mesh, const CellBlock& triangles) {
+  const CellBlock edges = unbalanced_edges(triangles);
+  const Components parts = connected_components(edges, static_cast<Index>(mesh.vertices.size()));
+  std::vector<Box> boxes(static_cast<std::size_t>(parts.count));
+  for (Index e = 0; e < edges.num_cells(); ++e)
+    for (const Index v : edges.cell(e))
+      boxes[static_cast<std::size_t>(parts.of_cell[static_cast<std::size_t>(e)])].add(
+          mesh.vertices[static_cast<std::size_t>(v)]);
+  std::vector<OpenRim> rims;
+  for (const Box& box : boxes) rims.push_back({0.5 * (box.min + box.max), 0.5 * (box.max - box.min).norm()});
+  return rims;
+}
 
 SolidSurface make_solid_surface(const Mesh& mesh, const std::string& name) {
   SolidSurface surface;

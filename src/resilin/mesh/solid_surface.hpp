@@ -20,6 +20,19 @@ struct SolidSurface {
   const CellBlock& triangles() const { return mesh.blocks[0]; }
 };
 
+/// Whether triangles go along each edge as often one way as the other: their winding number is a whole number
+/// at every point off them.
+bool is_closed(const CellBlock& triangles);
+
+/// A ball around the rim of a hole.
+struct OpenRim {
+  Vector3 center;
+  double radius;  ///< [m]
+};
+/// Around connected edges along which triangles go more often one way than the other; none where the surface
+/// is closed.
+std::vector<OpenRim> open_rims(const Mesh& mesh, const CellBlock& triangles);
+
 /// For each patch of connected triangles the winding of most of its area stays, so that the skin of a
 /// cavity, which is wound the other way, stays one.
 ///

@@ -6,6 +6,7 @@
 
 #include "resilin/mesh/box_tree.hpp"
 #include "resilin/mesh/closest_point.hpp"
+#include "resilin/mesh/solid_surface.hpp"
 #include "resilin/mesh/topology.hpp"
 #include "resilin/mesh/winding_number.hpp"
 
@@ -16,28 +17,6 @@ Vector3 centroid_of(const Mesh& mesh, std::span<const Index> corners) {
   Vector3 sum = Vector3::Zero();
   for (const Index corner : corners) sum += mesh.vertices[static_cast<std::size_t>(corner)];
   return sum / static_cast<double>(corners.size());
-}
-
-/// Whether every edge of the triangles is run through as often one way as the other, by places.
-bool are_closed(const Mesh& mesh, const CellBlock& triangles) {
-  struct Edge {
-    std::array<Index, 2> ends;
-    int direction;
-  };
-  std::vector<Edge> edges;
-  for (Index t = 0; t < triangles.num_cells(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = triangles.cell(t)[k], b = triangles.cell(t)[(k + 1) % 3];
-      edges.push_back(a < b ? Edge{{a, b}, 1} : Edge{{b, a}, -1});
-    }
-  std::ranges::sort(edges, {}, &Edge::ends);
-  for (std::size_t i = 0; i < edges.size();) {
-    const std::size_t first = i;
-    int sum = 0;
-    for (; i < edges.size() && edges[i].ends == edges[first].ends; ++i) sum += edges[i].direction;
-    if (sum != 0) return false;
-  }
-  return !edges.empty() && !mesh.vertices.empty();
 }
 
 /// For each facet of the cells, the triangle that is nearest to its centroid.
@@ -89,7 +68,7 @@ void carry_groups(const Mesh& surface, Mesh& cells) {
       const std::span<const Index> corners = facets.cell(f);
       group.vertices.insert(group.vertices.end(), corners.begin(), corners.end());
     }
-    if (are_closed(surface, own)) {
+    if (is_closed(own)) {
       const WindingNumber winding(surface, own);
       group.cells.resize(solid_block + 1);
       for (Index cell = 0; cell < solid->num_cells(); ++cell) {

@@ -19,7 +19,8 @@ constexpr std::size_t places_per_chunk = 128;
 constexpr std::size_t overlap_samples = 4000;
 constexpr double overlap_share =
     0.002;  // largest share of samples that lie inside: more tell of shells that overlap
-constexpr double step_off = 1e-4;  // relative to the extent: from the surface to where a side is asked for
+constexpr double voxel_share = 0.4;  // voxel by the distance of points from the surface: free of it there
+constexpr double step_off = 1e-4;    // relative to the extent: from the surface to where a side is asked for
 
 std::vector<Box> boxes_of(const Mesh& mesh, const CellBlock& triangles) {
   std::vector<Box> boxes(static_cast<std::size_t>(triangles.num_cells()));
@@ -80,6 +81,11 @@ SurfacePlaces::SurfacePlaces(const SolidSurface& surface)
   const auto count = static_cast<double>(samples.size());
   has_overlaps_ = static_cast<double>(num_inner) > overlap_share * count;
   if (has_overlaps_) volume_ = std::max(0.0, volume_ - inner * surface.area / count / 3);
+}
+
+void SurfacePlaces::expect_points(double distance) {
+  grid_ = InsideGrid(surface_, voxel_share * distance,
+                     [&](const Vector3& p) { return std::abs(winding_(p)) > 0.5; });
 }
 
 Vector3 SurfacePlaces::nearest_on(Index triangle, const Vector3& p) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "resilin/mesh/box_tree.hpp"
+#include "resilin/mesh/inside_grid.hpp"
 #include "resilin/mesh/solid_surface.hpp"
 #include "resilin/mesh/winding_number.hpp"
 
@@ -33,7 +34,16 @@ class SurfacePlaces {
   std::vector<SurfacePlace> spread(std::size_t count) const;
 
   /// Whether the surface winds around the point more than half a time, in whichever direction.
-  bool is_inside(const Vector3& p) const { return std::abs(winding_(p)) > 0.5; }
+  bool is_inside(const Vector3& p) const {
+    const InsideGrid::Side side = grid_.side(p);
+    return side == InsideGrid::Side::unknown ? std::abs(winding_(p)) > 0.5 : side == InsideGrid::Side::inside;
+  }
+
+  /// Whether the point is outside, where that costs no search; false does not tell.
+  bool is_known_outside(const Vector3& p) const { return grid_.side(p) == InsideGrid::Side::outside; }
+
+  /// Makes `is_inside` fast for many points about `distance` or more from the surface; changes nothing else.
+  void expect_points(double distance);
 
   /// Whether the inside is on one side of the point and the outside on the other. False where shells overlap.
   bool is_rim(const SurfacePlace& place) const;
@@ -56,6 +66,7 @@ class SurfacePlaces {
   std::vector<Vector3> areas_;  ///< as vectors [m^2]
   BoxTree tree_;
   WindingNumber winding_;
+  InsideGrid grid_;    ///< knows no side before `expect_points`
   double extent_ = 0;  ///< extent of the box [m]
   bool has_overlaps_ = false;
   double volume_ = 0;

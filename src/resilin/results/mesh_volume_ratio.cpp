@@ -1,9 +1,7 @@
 #include "resilin/results/mesh_volume_ratio.hpp"
 
-#include <numeric>
-
 #include "resilin/core/error.hpp"
-#include "resilin/mesh/quality.hpp"
+#include "resilin/mesh/curved_cells.hpp"
 #include "resilin/mesh/solid_surface.hpp"
 #include "resilin/mesh/surface_places.hpp"
 #include "resilin/world/skin.hpp"
@@ -29,9 +27,8 @@ std::optional<double> mesh_volume_ratio(const World& world, const Body& body) {
     if (surface.num_open_edges > 0) return std::nullopt;
     const double enclosed = SurfacePlaces(surface).volume();
     const Mesh mesh = mesh_of(world.rest_positions, {body.cell_kind, {body.cells.begin(), body.cells.end()}});
-    const std::vector<double> volumes = signed_volumes(mesh, mesh.blocks[0]);
     if (!(enclosed > 0)) return std::nullopt;
-    return std::accumulate(volumes.begin(), volumes.end(), 0.0) / enclosed;
+    return exact_volume(mesh, mesh.blocks[0]) / enclosed;
   } catch (const InputError&) {
     return std::nullopt;  // a skin without an area
   }

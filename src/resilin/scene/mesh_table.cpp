@@ -217,6 +217,10 @@ Keys<MeshTable> mesh_keys() {
       key<M>({"size", "number > 0", "the file's", "by cells",
               "In place of cells: the length of their edges, in the lengths of the file, before scale."},
              [](const SceneNode& node, M& m) { m.cells.size = read_number(node, positive); }),
+      key<M>({"min_size", "number > 0", "the file's", "0.4 of the others, on curves",
+              "Least length of edges of `fitted` cells. They become shorter down to it where the surface is "
+              "curved and where walls are thin, at most twenty times."},
+             [](const SceneNode& node, M& m) { m.cells.min_size = read_number(node, positive); }),
       key<M>({"mesher", one_of(surface_meshers()), "", default_text(M{}.cells.mesher),
               "How tetrahedra fill a surface. A `fitted` mesh ends at it and keeps its sharp edges; a "
               "`lattice` has "
@@ -252,6 +256,7 @@ void read_mesh_table(const SceneNode& node, BodyDescription& body) {
     node.child("cells").fail_with("is for a surface; a " + shape + " has its own, " + shape + ".cells");
   if (node.has("size") && (node.has("cells") || !shape.empty()))
     node.child("size").fail_with(shape.empty() ? "replaces cells; give one of them" : "is for a surface");
+  if (!shape.empty() && node.has("min_size")) node.child("min_size").fail_with("is for a surface");
   if (!shape.empty() && node.has("mesher")) node.child("mesher").fail_with("is for a surface");
   MeshTable table;
   table.element = find_element(body.element, node.context->dimension);

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "resilin/core/error.hpp"
+#include "resilin/element/catalog.hpp"
 #include "resilin/mesh/edit.hpp"
 #include "resilin/mesh/fitted_mesh.hpp"
 #include "resilin/mesh/refine_surface.hpp"
@@ -32,8 +33,12 @@ FilledSurface fill_by_lattice(const SceneNode& node, const Mesh& surface, const 
 }
 
 FilledSurface fill_by_fitting(const SceneNode& node, const Mesh& surface, const std::string& name,
-                              const SurfaceCells& wanted) {
-  FittedMesh fitted = make_fitted_mesh(surface, name, {.cells = wanted.cells, .size = wanted.size});
+                              const SurfaceCells& wanted, bool is_quadratic) {
+  FittedMesh fitted = make_fitted_mesh(surface, name,
+                                       {.cells = wanted.cells,
+                                        .size = wanted.size,
+                                        .min_size = wanted.min_size,
+                                        .is_quadratic = is_quadratic});
   for (const std::string& remark : fitted.remarks) node.context->warnings.push_back(remark);
   return {std::move(fitted.mesh), fitted.cell_size, fitted.volume_ratio, true};
 }
@@ -41,15 +46,19 @@ FilledSurface fill_by_fitting(const SceneNode& node, const Mesh& surface, const 
 /// A surface that is no body is refused by both meshers in the same words; one that cannot be followed gets a
 /// lattice, unless the scene asks for fitted cells.
 FilledSurface fill(const SceneNode& node, const Mesh& surface, const std::string& name,
-                   const SurfaceCells& wanted) {
+                   const SurfaceCells& wanted, bool is_quadratic) {
   const bool is_lattice =
       wanted.mesher == "lattice" || (wanted.mesher == "auto" && node.context->is_for_real_time);
   if (is_lattice && wanted.size > 0 && wanted.mesher == "lattice")
     node.child("size").fail_with("is for fitted cells; a lattice has cells");
+  if (is_lattice && wanted.min_size > 0 && wanted.mesher == "lattice")
+    node.child("min_size").fail_with("is for fitted cells; those of a lattice are congruent");
+  if (wanted.size > 0 && wanted.min_size > wanted.size)
+    node.child("min_size").fail("at most the size, " + format_short(wanted.size));
   if (is_lattice) return fill_by_lattice(node, surface, name, wanted.cells);
-  if (wanted.mesher == "fitted") return fill_by_fitting(node, surface, name, wanted);
+  if (wanted.mesher == "fitted") return fill_by_fitting(node, surface, name, wanted, is_quadratic);
   try {
-    return fill_by_fitting(node, surface, name, wanted);
+    return fill_by_fitting(node, surface, name, wanted, is_quadratic);
   } catch (const InputError& error) {
     if (wanted.size > 0) throw;
     FilledSurface filled = fill_by_lattice(node, surface, name, wanted.cells);
@@ -71,7 +80,8 @@ void fill_surface(const SceneNode& node, const MeshFile& file, const SurfaceCell
   prepare_surface(facets);
   Mesh surface = std::move(facets.mesh);
   check_surface(surface, facets.numbering).require_no_errors();
-  FilledSurface filled = fill(node, surface, name, wanted);
+  const ElementInfo* element = find_element(body.element, 3);
+  FilledSurface filled = fill(node, surface, name, wanted, element == nullptr || element->degree == 2);
   const double ratio = filled.volume_ratio;
   if (ratio > 0 && std::abs(ratio - 1) > worth_telling)
     node.context->warnings.push_back(

@@ -41,6 +41,7 @@ TableDoc mesh_doc();
 struct SurfaceCells {
   int cells = 4000;             ///< about how many
   double size = 0;              ///< in place of `cells`: length of their edges in the file; 0: not given
+  double min_size = 0;          ///< likewise the least of them where the surface asks for it; 0: not given
   std::string mesher = "auto";  ///< a name of surface_meshers()
 };
 std::vector<std::string> surface_meshers();
