@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "every_element.hpp"
@@ -410,6 +411,29 @@ TEST(Contact, HasByDefaultAnActivationDistanceThatFollowsASmallGap) {
             EXPECT_TRUE(is_noted);
           }
         }
+}
+
+/// The push of contact counts by its length: a scene that is turned as a whole has the same distances.
+TEST(Contact, HasDefaultDistancesThatDoNotFollowTheAxes) {
+  const auto distances = [](double gap, double degrees) {
+    Description scene = small_bar(3, true);
+    const Vector3 axis = Vector3(1, 2, 3).normalized();
+    const Eigen::AngleAxisd turn(degrees * std::numbers::pi / 180, axis);
+    scene.fixes.clear();
+    scene.probes.clear();
+    scene.bodies[0].rotate = Rotation{.axis = axis, .degrees = degrees};
+    scene.gravity = turn * Vector3(0, -9.81, 0);
+    ColliderDescription floor;
+    floor.name = "floor";
+    floor.kind = "half_space";
+    floor.shape.point = turn * Vector3(0, -gap, 0);
+    floor.shape.normal = turn * Vector3(0, 1, 0);
+    scene.colliders = {floor};
+    return World(scene).colliders[0]->activation_distance();
+  };
+  for (double gap = 2e-4; gap < 1.25e-3; gap *= 1.1)
+    for (const double degrees : {50.0, 110.0})
+      EXPECT_NEAR(distances(gap, degrees), distances(gap, 0), 1e-9) << gap << ", " << degrees;
 }
 
 TEST(Probe, IsWarnedOfWhenNoVertexIsNear) {

@@ -247,9 +247,9 @@ std::vector<PushedBody> pushed_bodies(const World& world, double times) {
   }
   std::erase_if(found, [&](const PushedBody& each) {
     int axis = 0;
-    const double along = pushes[each.body].cwiseAbs().maxCoeff(&axis);
+    pushes[each.body].cwiseAbs().maxCoeff(&axis);
     constexpr double rounding = 1e-9;  // opposite pushes leave that much
-    if (!(along > std::max(times * each.load, rounding * most[each.body]))) return true;
+    if (!(each.push > std::max(times * each.load, rounding * most[each.body]))) return true;
     if (!is_free_along(world, world.bodies[each.body], axis)) return true;
     return !world.is_dynamic && each.load == 0;  // a prescribed motion decides where it goes
   });
