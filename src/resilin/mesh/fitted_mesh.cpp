@@ -203,7 +203,7 @@ class FittedMaker {
     improve_tetrahedra(set, guide, wanted_sine, improvement_passes);
     if (!is_quadratic_) fit_sides(set, draft, draft_vertex);
     part_pinches(set);
-    drop_crumbs(set);
+    drop_crumbs(set, draft.spacing());
     double flattest = 1;
     for (const Nodes& cell : set.cells) flattest = std::min(flattest, quality_of(set, cell));
     if (set.cells.empty() || !(flattest > least_sine_allowed))
@@ -375,16 +375,34 @@ class FittedMaker {
     return block;
   }
 
-  /// Drops disconnected parts of a few cells, where there are more parts than shells of the surface: bits of
-  /// walls that are too thin for the cells, which nothing holds.
-  void drop_crumbs(TetrahedronSet& set) const {
+  /// Drops disconnected parts of a few cells that fill no shell of their own: bits of walls that are too thin
+  /// for the cells, which nothing holds.
+  void drop_crumbs(TetrahedronSet& set, double spacing) const {
     const Components parts = connected_components(block_of(set), static_cast<Index>(set.positions.size()));
-    if (parts.count <= num_shells()) return;
-    std::vector<int> sizes(static_cast<std::size_t>(parts.count), 0);
+    if (parts.count < 2) return;
+    const Components shells =
+        connected_components(surface_.triangles(), static_cast<Index>(surface_.mesh.vertices.size()));
+    std::vector<Box> shell_boxes(static_cast<std::size_t>(shells.count)),
+        part_boxes(static_cast<std::size_t>(parts.count));
+    std::vector<int> sizes(part_boxes.size(), 0);
+    for (std::size_t v = 0; v < shells.of_vertex.size(); ++v)
+      if (shells.of_vertex[v] >= 0)
+        shell_boxes[static_cast<std::size_t>(shells.of_vertex[v])].add(surface_.mesh.vertices[v]);
+    for (std::size_t v = 0; v < parts.of_vertex.size(); ++v)
+      if (parts.of_vertex[v] >= 0)
+        part_boxes[static_cast<std::size_t>(parts.of_vertex[v])].add(set.positions[v]);
     for (const Index part : parts.of_cell) ++sizes[static_cast<std::size_t>(part)];
+    const auto is_crumb = [&](std::size_t part) {
+      if (sizes[part] > most_in_crumb) return false;
+      const Vector3 room = Vector3::Constant(0.5 * spacing);
+      const Box around{part_boxes[part].min - room, part_boxes[part].max + room};
+      return std::ranges::none_of(shell_boxes, [&](const Box& shell) {
+        return around.contains(shell.min) && around.contains(shell.max);
+      });
+    };
     std::vector<Nodes> kept;
     for (std::size_t c = 0; c < set.cells.size(); ++c)
-      if (sizes[static_cast<std::size_t>(parts.of_cell[c])] > most_in_crumb) kept.push_back(set.cells[c]);
+      if (!is_crumb(static_cast<std::size_t>(parts.of_cell[c]))) kept.push_back(set.cells[c]);
     if (!kept.empty()) set.cells = std::move(kept);
   }
 
