@@ -55,7 +55,7 @@ TEST(EveryKey, OfThePageIsInTheScene) {
     // Keys of joints, springs and cables: see tests/cli/joint_test.cpp.
     if (key == "bodies" || key == "to" || key == "motor" || key == "points" || key == "rest_length" ||
         key == "tension_only" || key == "tension" || key == "shortening" || key == "second_axis" ||
-        key == "rest" || key == "limits" || key == "torque")
+        key == "rest" || key == "limits" || key == "torque" || key == "forces")
       continue;
     if (key == "branches") continue;  // in place of g and tau; see scene_test.cpp
     if (key == "library") continue;   // in place of law and constants; see material_library_test.cpp

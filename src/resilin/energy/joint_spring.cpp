@@ -84,6 +84,30 @@ void JointSpring::add_hessian(const VectorX& x, const Conditions& c, Projection 
   coordinate_.add_blocks(K, hessian);
 }
 
+std::vector<EnergyParameter> JointSpring::parameters() const {
+  if (law_.limits) return {};
+  if (law_.effort) return {{"effort"}};
+  if (law_.is_motor) return {{"position"}, {"velocity"}};
+  return {{"stiffness"}, {"rest"}};
+}
+
+double JointSpring::slope_by(std::string_view parameter, double offset, const Conditions& c) const {
+  if (parameter == "effort") return -law_.goal.function.factor(c.time, c.load);
+  if (parameter == "stiffness") return stretch(offset);
+  return -law_.stiffness * (parameter == "rest" ? 1 : law_.goal.at_by(parameter, c));
+}
+
+void JointSpring::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                       const Conditions& c, VectorX& slopes) const {
+  slopes[0] += slope_by(name, offset(coordinate_.value(x), c), c) * coordinate_.rate(x, w);
+}
+
+void JointSpring::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                       const Conditions& c, VectorX& gradient) const {
+  const double force = change[0] * slope_by(name, offset(coordinate_.value(x), c), c);
+  coordinate_.add_forces(force * coordinate_.slopes(x), gradient);
+}
+
 std::optional<double> JointSpring::driven_work(const VectorX& from, const Conditions& before,
                                                const VectorX& to, const Conditions& after) const {
   if (!law_.is_motor || !law_.goal.moves(before, after)) return std::nullopt;

@@ -46,6 +46,13 @@ class JointSpring final : public BasicEnergy {
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
 
+  /// A spring has "stiffness" and "rest", a motor its "effort", or "position" and "velocity", a stop none.
+  std::vector<EnergyParameter> parameters() const override;
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
+
   const JointCoordinate& coordinate() const { return coordinate_; }
 
  private:
@@ -55,6 +62,7 @@ class JointSpring final : public BasicEnergy {
   double stretch(double offset) const;
   double effort(const Conditions& c) const;
   double slope(double offset, const Conditions& c) const;
+  double slope_by(std::string_view parameter, double offset, const Conditions& c) const;
 
   std::string name_;
   JointCoordinate coordinate_;

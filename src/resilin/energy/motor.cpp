@@ -11,6 +11,10 @@ double MotorGoal::at(const Conditions& c) const {
   return goal;
 }
 
+double MotorGoal::at_by(std::string_view parameter, const Conditions& c) const {
+  return parameter == "position" ? function.factor(c.time, c.load) : function.integral(c.time);
+}
+
 Motor::Motor(std::string name, int dim, Arms arms, double radius, double stiffness, MotorGoal goal)
     : name_(std::move(name)),
       dim_(dim),
@@ -19,16 +23,25 @@ Motor::Motor(std::string name, int dim, Arms arms, double radius, double stiffne
       goal_(std::move(goal)) {}
 
 CarriedPoint Motor::gap_at(const Conditions& c) const {
-  const double a = goal_.at(c), along = std::cos(a), across = std::sin(a);
+  const double a = goal_.at(c);
+  return sum_of(1, std::cos(a) + std::sin(a) - 1, -std::cos(a), -std::sin(a));
+}
+
+CarriedPoint Motor::gap_by_angle(const Conditions& c) const {
+  const double a = goal_.at(c);
+  return sum_of(0, std::cos(a) - std::sin(a), std::sin(a), -std::cos(a));
+}
+
+CarriedPoint Motor::sum_of(double turned, double centre, double along, double across) const {
   CarriedPoint sum;
   const auto add = [&sum](const CarriedPoint& point, double share) {
     for (const auto& [node, weight] : point.nodes) sum.nodes.push_back({node, share * weight});
     if (point.nodes.empty()) sum.place += share * point.place;
   };
-  add(arms_.turned, 1);
-  add(arms_.centre, along + across - 1);
-  add(arms_.along, -along);
-  add(arms_.across, -across);
+  add(arms_.turned, turned);
+  add(arms_.centre, centre);
+  add(arms_.along, along);
+  add(arms_.across, across);
   return sum;
 }
 
@@ -75,6 +88,37 @@ void Motor::add_pattern(BlockPatternBuilder& builder) const {
   std::vector<Index> nodes;
   for (const WeightedNode& each : gap_at({}).nodes) nodes.push_back(each.node);
   builder.add_clique(nodes);
+}
+
+namespace {
+
+Vector3 sum_over_nodes(const CarriedPoint& point, int dim, const VectorX& values) {
+  Vector3 sum = Vector3::Zero();
+  for (const auto& [node, weight] : point.nodes) sum += weight * node_position(dim, node, values);
+  return sum;
+}
+
+}  // namespace
+
+// E = k/(2 r^2) |W x + s|^2:   d2E/(dx da) = k/r^2 (W'^T (W x + s) + W^T (W' x + s'))
+void Motor::add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w,
+                                 const Conditions& c, VectorX& slopes) const {
+  const CarriedPoint of = gap_at(c), by_angle = gap_by_angle(c);
+  slopes[0] += goal_.at_by(name, c) * factor_ *
+               (sum_over_nodes(by_angle, dim_, w).dot(of.at(dim_, x)) +
+                sum_over_nodes(of, dim_, w).dot(by_angle.at(dim_, x)));
+}
+
+void Motor::add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                                 const Conditions& c, VectorX& gradient) const {
+  const CarriedPoint of = gap_at(c), by_angle = gap_by_angle(c);
+  const double factor = change[0] * goal_.at_by(name, c) * factor_;
+  const auto add = [&](const CarriedPoint& point, const Vector3& force) {
+    for (const auto& [node, weight] : point.nodes)
+      gradient.segment(Eigen::Index{node} * dim_, dim_) += weight * force.head(dim_);
+  };
+  add(by_angle, factor * of.at(dim_, x));
+  add(of, factor * by_angle.at(dim_, x));
 }
 
 std::optional<double> Motor::driven_work(const VectorX& from, const Conditions& before, const VectorX& to,

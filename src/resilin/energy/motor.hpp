@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "resilin/energy/cable.hpp"
@@ -15,6 +16,8 @@ struct MotorGoal {
   TimeFunction function{};
 
   double at(const Conditions& c) const;
+  /// Its derivative by "position" or "velocity".
+  double at_by(std::string_view parameter, const Conditions& c) const;
   /// Whether it is not known to be the same under both conditions.
   bool moves(const Conditions& before, const Conditions& after) const {
     return (velocity != 0 && before.time != after.time) || !function.is_constant() ||
@@ -48,10 +51,19 @@ class Motor final : public BasicEnergy {
   void add_pattern(BlockPatternBuilder& builder) const override;
   std::optional<double> driven_work(const VectorX& from, const Conditions& before, const VectorX& to,
                                     const Conditions& after) const override;
+  std::vector<EnergyParameter> parameters() const override { return {{"position"}, {"velocity"}}; }
+  void add_parameter_slopes(std::string_view name, const VectorX& x, const VectorX& w, const Conditions& c,
+                            VectorX& slopes) const override;
+  void add_parameter_forces(std::string_view name, const VectorX& x, const VectorX& change,
+                            const Conditions& c, VectorX& gradient) const override;
 
  private:
   /// The gap as a sum of weights times nodes, and a part of the ground.
   CarriedPoint gap_at(const Conditions& c) const;
+  /// Its derivative by the angle.
+  CarriedPoint gap_by_angle(const Conditions& c) const;
+  /// A sum of the points of the arms: one of p and these of c, u and v.
+  CarriedPoint sum_of(double turned, double centre, double along, double across) const;
 
   std::string name_;
   int dim_;

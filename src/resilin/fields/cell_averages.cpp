@@ -19,7 +19,7 @@ CellAverages::CellAverages(const World& world) : first_(static_cast<std::size_t>
   std::vector<double> volume_at(count, 0.0);
   std::uint32_t first_cell = 0;
   for (const Body& body : world.bodies) {
-    const std::vector<double> volumes = body.domains.rest_volumes();
+    const std::vector<double> volumes = body.domains.deformable_volumes();
     const auto width = static_cast<std::size_t>(num_nodes(body.cell_kind));
     for (std::size_t i = 0; i < body.cells.size(); ++i) {
       const auto node = static_cast<std::uint32_t>(body.cells[i]);
@@ -36,7 +36,7 @@ CellAverages::CellAverages(const World& world) : first_(static_cast<std::size_t>
   for (const Entry& entry : entries) {
     const std::uint32_t place = next[entry.node]++;
     cells_at_[place] = entry.cell;
-    shares_[place] = entry.volume / volume_at[entry.node];
+    shares_[place] = entry.volume > 0 ? entry.volume / volume_at[entry.node] : 0;
   }
 }
 

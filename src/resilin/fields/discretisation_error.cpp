@@ -343,7 +343,7 @@ bool is_one_cell_across(const Body& body) {
 
 std::optional<double> error_by_recovered_stress(const World& world, const Body& body,
                                                 const VectorX& positions) {
-  if (body.rigid) return std::nullopt;
+  if (body.rigid || body.domains.have_rigid_ones()) return std::nullopt;
   if (body.num_cells() > 0 && is_one_cell_across(body))
     return squared_solution_norm(body, positions) ? std::optional(cannot_tell) : std::nullopt;
   return discretisation_error(world, body, positions);

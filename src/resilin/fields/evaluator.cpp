@@ -92,18 +92,32 @@ const CellQuantity* find_quantity(const FieldInfo& field) {
   return found == cell_quantities().end() ? nullptr : &*found;
 }
 
-/// A rigid body has no values but its motion: nan.
+/// Rigid bodies and regions have no values but their motion: nan.
 void leave_out_rigid_bodies(const World& world, FieldValues& field) {
   const auto width = static_cast<std::size_t>(field.field->components());
   std::size_t first_cell = 0;
+  const bool is_on_nodes = field.field->is_on_nodes();
+  const auto leave_out = [&](std::size_t first, std::size_t count) {
+    std::fill_n(field.values.begin() + static_cast<std::ptrdiff_t>(first * width), count * width,
+                std::numeric_limits<double>::quiet_NaN());
+  };
   for (const Body& body : world.bodies) {
     const auto num_cells = static_cast<std::size_t>(body.num_cells());
     if (body.rigid) {
-      const bool is_on_nodes = field.field->is_on_nodes();
       const std::size_t first = is_on_nodes ? static_cast<std::size_t>(body.first_node) : first_cell;
       const std::size_t count = is_on_nodes ? static_cast<std::size_t>(body.num_nodes) : num_cells;
-      std::fill_n(field.values.begin() + static_cast<std::ptrdiff_t>(first * width), count * width,
-                  std::numeric_limits<double>::quiet_NaN());
+      leave_out(first, count);
+    }
+    if (body.domains.have_rigid_ones()) {
+      const std::vector<double> volumes = body.domains.deformable_volumes();
+      std::vector<bool> is_deformable(static_cast<std::size_t>(body.num_nodes), false);
+      const std::size_t nodes_per_cell = volumes.empty() ? 0 : body.cells.size() / volumes.size();
+      for (std::size_t i = 0; i < body.cells.size(); ++i)
+        if (volumes[i / nodes_per_cell] > 0)
+          is_deformable[static_cast<std::size_t>(body.cells[i] - body.first_node)] = true;
+      for (std::size_t i = 0; i < (is_on_nodes ? is_deformable.size() : volumes.size()); ++i)
+        if (is_on_nodes ? !is_deformable[i] : volumes[i] == 0)
+          leave_out((is_on_nodes ? static_cast<std::size_t>(body.first_node) : first_cell) + i, 1);
     }
     first_cell += num_cells;
   }

@@ -75,7 +75,7 @@ std::optional<Extremes> extremes(const World& world, const State& state, const F
               [&](double value) { return located(world, state, field.is_on_nodes(), value, place); });
   for (std::size_t b = 0; field.is_on_nodes() && b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (!body.rigid) continue;
+    if (!body.rigid || body.rigid->is_region()) continue;
     const std::vector<double> carried =
         body.rigid->at_vertices(values.values, field.components(), body.first_node);
     const CarriedPoints points = body.rigid->carried_vertices(body.first_node);

@@ -175,6 +175,11 @@ NodalFit::NodalFit(const Body& body) : num_nodes_(static_cast<std::size_t>(body.
     for (std::size_t a = 0; a < num_corners_; ++a)
       corners_.push_back(body.cells[begin + a] - body.first_node);
   point_volumes_ = body.domains.point_volumes();
+  if (body.domains.have_rigid_ones()) {
+    const std::vector<double> volumes = body.domains.deformable_volumes();
+    for (std::size_t point = 0; point < point_volumes_.size(); ++point)
+      if (volumes[point / num_points_] == 0) point_volumes_[point] = 0;
+  }
   shape_at_points_ = shape_values(corner, places_of(body.domains.quadrature()));
   shape_at_nodes_ = shape_values(corner, element.nodes);
 
@@ -196,6 +201,7 @@ void NodalFit::add_matrix(const Body& body) {
   std::vector<bool> is_corner(num_nodes_, false);
   for (std::size_t cell = 0; cell * num_corners_ < corners_.size(); ++cell) {
     const Index* nodes = corners_.data() + cell * num_corners_;
+    if (point_volumes_[cell * num_points_] == 0) continue;  // in a rigid region
     for (std::size_t a = 0; a < num_corners_; ++a) {
       is_corner[static_cast<std::size_t>(nodes[a])] = true;
       for (std::size_t b = 0; b < num_corners_; ++b) {

@@ -14,7 +14,9 @@ namespace {
 
 /// The cells that a frame shows: those of a rigid body are those of its mesh.
 CellKind shown_kind(const Body& body) { return body.rigid ? body.rigid->body.cell_kind : body.cell_kind; }
+bool has_own_mesh(const Body& body) { return body.rigid && !body.rigid->is_region(); }
 std::ptrdiff_t num_shown_cells(const Body& body) {
+  if (body.rigid && body.rigid->is_region()) return 0;
   return body.rigid ? body.rigid->body.num_cells() : body.num_cells();
 }
 
@@ -63,7 +65,7 @@ std::vector<double> in_order_of_bodies(const std::vector<double>& values, int co
 void add_rigid_vertices(const World& world, int components, std::vector<double>& values) {
   const std::size_t num_nodal = values.size();
   for (const Body& body : world.bodies) {
-    if (!body.rigid) continue;
+    if (!has_own_mesh(body)) continue;
     const std::vector<double> own =
         body.rigid->at_vertices(std::span(values).first(num_nodal), components, body.first_node);
     values.insert(values.end(), own.begin(), own.end());
@@ -92,7 +94,7 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
   std::vector<Index> first_point;  // by body, for the nodes of its shown cells
   for (const Body& body : world.bodies) {
     first_point.push_back(body.rigid ? static_cast<Index>(mesh.vertices.size()) : 0);
-    if (!body.rigid) continue;
+    if (!has_own_mesh(body)) continue;
     const CarriedPoints points = body.rigid->carried_vertices(body.first_node);
     for (Index v = 0; v < points.num_points(); ++v)
       mesh.vertices.push_back(world.origin + points.at(world.dimension, v, state.positions));
@@ -101,6 +103,7 @@ VtuContent frame_content(const World& world, const State& state, std::span<const
   VtuValues body_numbers{.name = "body", .components = 1, .values = {}};
   for (const std::size_t b : order) {
     const Body& body = world.bodies[b];
+    if (num_shown_cells(body) == 0) continue;
     std::vector<Index>& nodes = mesh.block(shown_kind(body)).nodes;
     for (const Index node : body.rigid ? body.rigid->body.cells : body.cells)
       nodes.push_back(first_point[b] + node);

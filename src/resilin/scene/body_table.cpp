@@ -43,6 +43,8 @@ Keys<RigidDescription> rigid_keys() {
   };
 }
 
+}  // namespace
+
 void read_rigid(const SceneNode& node, std::optional<RigidDescription>& rigid) {
   if (!node.value->is_table() && !read_flag(node)) return;
   rigid.emplace();
@@ -50,10 +52,9 @@ void read_rigid(const SceneNode& node, std::optional<RigidDescription>& rigid) {
   if (node.value->is_table()) read_table(node, rigid_keys(), *rigid);
 }
 
-}  // namespace
-
 TableDoc rigid_doc() {
-  return document("rigid", "A body that keeps its shape ([rigid bodies](rigid.md)): true, or a table with",
+  return document("rigid",
+                  "A body or a region that keeps its shape ([rigid bodies](rigid.md)): true, or a table with",
                   rigid_keys());
 }
 
@@ -79,7 +80,7 @@ Keys<BodyDescription> body_keys() {
       key<B>({"rigid", "true, false or [rigid](#rigid)", "", "false",
               "Keeps the shape of its mesh; in place of material."},
              [](const SceneNode& node, B& b) { read_rigid(node, b.rigid); }),
-      key<B>({"region", "[[body.region]]", "", "none", "Cells of another material."},
+      key<B>({"region", "[[body.region]]", "", "none", "Cells of another material, or rigid ones."},
              [](const SceneNode& node, B& b) { read_regions(node, b.mesh, b.regions); }),
       number_key("scale", &B::scale, "", positive, "Scale factor of the mesh coordinates, applied first."),
       key<B>({"rotate", "[rotate](#rotate)", "", "none",

@@ -168,13 +168,36 @@ void read_joint(const SceneNode& node, JointDescription& joint) {
     node.child("limits").fail("limits of a hinge that are less than a turn apart");
 }
 
+namespace {
+
+/// Elongations, rising, and forces there.
+void read_forces(const SceneNode& node, CableDescription& spring) {
+  const NumberTable rows = read_pairs(node, "rows [elongation, force]", "elongation");
+  if (rows.num_columns != 2 || rows.num_rows() < 2)
+    node.fail("rows [elongation, force], two at least", "such as [[-0.1, -20], [0.1, 5]]");
+  for (std::size_t i = 0; i < rows.num_rows(); ++i) {
+    if (i > 0 && !(rows.values[2 * i] > rows.values[2 * i - 2]))
+      node.fail_with("expected rising elongations, got " + format_number(rows.values[2 * i]) + " after " +
+                     format_number(rows.values[2 * i - 2]) + " in row " + std::to_string(i) + " (from 0)");
+    spring.elongations.push_back(rows.values[2 * i]);
+    spring.forces.push_back(rows.values[2 * i + 1]);
+  }
+}
+
+}  // namespace
+
 Keys<CableDescription> spring_keys() {
   using C = CableDescription;
   return {
       text_key("name", &C::name, "spring[0] ...", "Name in the report."),
       points_key("Its two ends. On a deformable body the vertex nearest to `at`."),
-      key<C>({"stiffness", "number > 0", "N/m", "required", "Force for each metre of stretch."},
-             [](const SceneNode& node, C& c) { c.stiffness = read_number(node, positive); }),
+      key<C>(
+          {"stiffness", "number > 0", "N/m", "required without forces", "Force for each metre of stretch."},
+          [](const SceneNode& node, C& c) { c.stiffness = read_number(node, positive); }),
+      key<C>({"forces", "rows", "m, N", "none",
+              "Rows of an elongation and the force there, in place of a stiffness: a CSV file or a list with "
+              "rising elongations. Linear between them and beyond."},
+             read_forces),
       key<C>({"rest_length", "number >= 0", "m", "its length at rest", "Length without force."},
              [](const SceneNode& node, C& c) { c.rest_length = read_number(node, not_negative); }),
       key<C>({"tension_only", "true or false", "", "false", "Whether it goes slack instead of pushing."},
@@ -208,6 +231,8 @@ void read_spring(const SceneNode& node, CableDescription& spring) {
   spring.place = node.place();
   spring.name = node.path;
   read_table(node, spring_keys(), spring);
+  if (node.has("stiffness") == node.has("forces"))
+    node.fail_with("a spring has either a stiffness or a table of forces");
   expect_points(node, spring, true);
 }
 

@@ -5,6 +5,7 @@
 #include "resilin/material/law_sum.hpp"
 #include "resilin/material/plane_stress.hpp"
 #include "resilin/scene/tables.hpp"
+#include "resilin/world/rigid_region.hpp"
 
 namespace resilin {
 namespace {
@@ -88,6 +89,7 @@ void read_root(const SceneNode& root, Description& d) {
     if (is_plane_stress_dimension(dimension)) take_plane_stress(d);
     if (is_axisymmetric_dimension(dimension)) take_axisymmetry(d);
   }
+  add_rigid_regions(d);
   if (d.bodies.empty()) root.fail_with("there is no [[body]]; a scene needs at least one body with a mesh");
 }
 

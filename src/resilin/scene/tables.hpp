@@ -28,6 +28,8 @@ void read_section(const SceneNode& node, SectionDescription& section);
 // body_table.cpp
 Keys<BodyDescription> body_keys();
 TableDoc element_doc();
+/// true, or a table; nothing where it is false.
+void read_rigid(const SceneNode& node, std::optional<RigidDescription>& rigid);
 TableDoc rigid_doc();
 void read_body(const SceneNode& node, BodyDescription& body);
 
@@ -98,6 +100,8 @@ void read_spring(const SceneNode& node, CableDescription& spring);
 void read_cable(const SceneNode& node, CableDescription& cable);
 
 // time_table.cpp
+/// Rows of two numbers of a list, an array or a CSV file: "points [t, f]", each a "point in time".
+NumberTable read_pairs(const SceneNode& node, const std::string& of_what, const std::string& of_one);
 void read_time_function(const SceneNode& node, TimeFunction& function);
 TableDoc time_function_doc();
 void read_adaptive_steps(const SceneNode& node, std::optional<AdaptiveSteps>& adaptive);

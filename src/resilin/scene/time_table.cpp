@@ -10,16 +10,8 @@ using Table = TimeFunction::Table;
 using Sine = TimeFunction::Sine;
 using Ramp = TimeFunction::Ramp;
 
-/// Rows [t, f] of a list, an array or a CSV file.
-NumberTable read_points(const SceneNode& node) {
-  if (std::holds_alternative<std::string>(node.value->data)) return read_csv(read_path(node));
-  if (const auto* numbers = std::get_if<SceneValue::Numbers>(&node.value->data)) return **numbers;
-  expect_list(node, "points [t, f]");
-  return read_rows(node, node.value->array().size(), 2, "point in time");
-}
-
 Table read_points_in_time(const SceneNode& node) {
-  const NumberTable points = read_points(node);
+  const NumberTable points = read_pairs(node, "points [t, f]", "point in time");
   if (points.num_columns != 2 || points.num_rows() == 0)
     node.fail("points [t, f], at least one", "such as table = [[0, 0], [0.5, 1]]");
   Table table;
@@ -123,6 +115,13 @@ void append_keys(TableDoc& doc, const std::string& prefix, const Keys<T>& keys) 
 }
 
 }  // namespace
+
+NumberTable read_pairs(const SceneNode& node, const std::string& of_what, const std::string& of_one) {
+  if (std::holds_alternative<std::string>(node.value->data)) return read_csv(read_path(node));
+  if (const auto* numbers = std::get_if<SceneValue::Numbers>(&node.value->data)) return **numbers;
+  expect_list(node, of_what);
+  return read_rows(node, node.value->array().size(), 2, of_one);
+}
 
 void read_time_function(const SceneNode& node, TimeFunction& function) {
   if (!node.value->is_table() || node.value->table().size() != 1) {

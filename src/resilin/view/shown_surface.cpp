@@ -81,6 +81,7 @@ ShownSurface::ShownSurface(const World& world, Inside inside) : dim_(world.dimen
       inside == Inside::shown_by_cuts && dim_ == 3 && num_nodes_of_cells(world) <= most_inside_vertices;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
+    if (body.rigid && body.rigid->is_region()) continue;  // its body shows it
     if (is_shown_by_skin(body)) {
       begin_part(body, b, Kind::skin);
       add_skin(body.skin);

@@ -89,7 +89,9 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
     Domain domain;
     domain.name = of.region < 0 ? "" : description.regions[static_cast<std::size_t>(of.region)].name;
     domain.region = of.region;
-    domain.law = body.rigid ? "rigid" : law.name;
+    domain.is_rigid =
+        of.region >= 0 && description.regions[static_cast<std::size_t>(of.region)].rigid.has_value();
+    domain.law = body.rigid || domain.is_rigid ? "rigid" : law.name;
     const std::size_t num_constants = law.constants.size(), num_sets = of.constants.size() / num_constants;
     for (std::size_t i = 0; i < num_constants; ++i) {
       double sum = 0;
@@ -125,9 +127,9 @@ std::vector<std::shared_ptr<Energy>> give_material(const World& world, const Bod
       term = softened;
     }
     domain.energy = energy;
-    domain.density = material.density;
-    body.mass += material.density * energy->total_rest_volume();
-    if ((world.is_dynamic || world.modes) && !(material.density > 0)) {
+    domain.density = domain.is_rigid ? 0 : material.density;
+    body.mass += domain.density * energy->total_rest_volume();
+    if ((world.is_dynamic || world.modes) && !domain.is_rigid && !(material.density > 0)) {
       throw InputError(material.place + ".density", "a positive number in a dynamic analysis",
                        format_number(material.density));
     }

@@ -14,6 +14,8 @@
 #include "resilin/mesh/facet.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/mortar.hpp"
+#include "resilin/world/rigid_region.hpp"
+#include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/selection.hpp"
 
 namespace resilin {
@@ -21,6 +23,12 @@ namespace {
 
 using Weight = Dependents::Weight;
 using Constant = LinearConstraints::Constant;
+
+std::vector<std::string> names_of(const std::vector<Support>& supports) {
+  std::vector<std::string> names;
+  for (const Support& support : supports) names.push_back(support.name);
+  return names;
+}
 
 /// Makes the relations of one world.
 class Maker {
@@ -30,14 +38,19 @@ class Maker {
         meshes_(meshes),
         dim_(world.dimension),
         support_of_(supports_of_unknowns(dim_, world.num_nodes(), world.supports)),
-        system_(dim_, world.rest_positions, support_of_) {}
+        system_(dim_, world.rest_positions, support_of_, names_of(world.supports)) {}
 
+  /// The nodes of a rigid region follow the control nodes of its body.
+  void add_rigid_region(const Body& rigid, const std::string& place);
   void add(const TieDescription& tie);
   void add(const ConstraintDescription& constraint);
   void add(const JointDescription& description, const Joint& joint);
   std::shared_ptr<const LinearConstraints> build() const {
     const std::shared_ptr<LinearConstraints> all = system_.build();
-    if (all) all->tied_bodies = tied_bodies_;
+    if (all) {
+      all->tied_bodies = tied_bodies_;
+      all->joints = joint_owner_;
+    }
     return all;
   }
 
@@ -70,6 +83,25 @@ CellBlock Maker::facets_of(const Where& where, std::size_t body, const std::stri
   const std::vector<Index> vertices =
       select_vertices(where, meshes_[body].mesh, world_.bodies[body], world_.rest_positions, dim_, place);
   return select_facets(where, vertices, world_.bodies[body], world_.rest_positions, dim_, place);
+}
+
+void Maker::add_rigid_region(const Body& rigid, const std::string& place) {
+  const std::size_t owner = system_.add_name("");
+  for (const Index node : followers_of(world_, rigid)) {
+    const VectorX shares = rigid.rigid->weights(node_position(dim_, node, world_.rest_positions));
+    for (int k = 0; k < dim_; ++k) {
+      std::vector<Weight> by;
+      for (Eigen::Index a = 0; a < shares.size(); ++a)
+        by.push_back({(rigid.first_node + static_cast<Index>(a)) * dim_ + k, shares[a]});
+      if (!system_.is_taken(node * dim_ + k)) {
+        system_.follow(owner, node * dim_ + k, std::move(by), {}, place);
+        continue;
+      }
+      // A vertex of two rigid regions joins them.
+      by.push_back({node * dim_ + k, -1});
+      system_.add_equation(owner, std::move(by), {}, place);
+    }
+  }
 }
 
 void Maker::add(const TieDescription& tie) {
@@ -283,9 +315,13 @@ void Maker::add_periodic(const ConstraintDescription& constraint) {
 
 std::shared_ptr<const LinearConstraints> make_constraints(const Description& description, const World& world,
                                                           std::span<const BodyMesh> meshes) {
-  if (description.ties.empty() && description.constraints.empty() && description.joints.empty())
+  if (description.ties.empty() && description.constraints.empty() && description.joints.empty() &&
+      place_of_rigid_region(description).empty())
     return nullptr;
   Maker maker(world, meshes);
+  for (std::size_t b = 0; b < world.bodies.size(); ++b)
+    if (const Body& body = world.bodies[b]; body.rigid && body.rigid->is_region())
+      maker.add_rigid_region(body, description.bodies[b].place);
   // Equations choose who follows, ties do not.
   for (const TieDescription& tie : description.ties) maker.add(tie);
   for (const ConstraintDescription& constraint : description.constraints) maker.add(constraint);
@@ -293,8 +329,25 @@ std::shared_ptr<const LinearConstraints> make_constraints(const Description& des
   return maker.build();
 }
 
+std::vector<Index> followers_of(const World& world, const Body& rigid) {
+  const Body& body = world.bodies[find_body(world, rigid.rigid->region_of, rigid.name)];
+  for (const Domain& domain : body.domains) {
+    if (!domain.is_rigid || body.name + "." + domain.name != rigid.name) continue;
+    std::vector<Index> nodes(domain.cells.begin(), domain.cells.end());
+    std::ranges::sort(nodes);
+    nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+    return nodes;
+  }
+  return {};
+}
+
 ContactDescription contact_beside_ties(const Description& description) {
   ContactDescription contact = description.contact;
+  const auto with_surface = [&](const std::string& name) {
+    for (const BodyDescription& body : description.bodies)
+      if (body.name == name && body.rigid && !body.rigid->region_of.empty()) return body.rigid->region_of;
+    return name;
+  };
   const auto part = [&contact](const std::string& place, const std::string& a, const std::string& b) {
     const auto is_theirs = [&](const ContactPairDescription& pair) {
       return (pair.bodies[0] == a && pair.bodies[1] == b) || (pair.bodies[0] == b && pair.bodies[1] == a);
@@ -306,7 +359,11 @@ ContactDescription contact_beside_ties(const Description& description) {
     part(tie.place, tie.surfaces[0].body, tie.surfaces[1].body);
   for (const JointDescription& joint : description.joints)
     if (joint.bodies.size() == 2 && joint.kind != JointKind::distance)
-      part(joint.place, joint.bodies[0], joint.bodies[1]);
+      if (const std::string a = with_surface(joint.bodies[0]), b = with_surface(joint.bodies[1]); a != b)
+        part(joint.place, a, b);
+  for (const BodyDescription& body : description.bodies)
+    if (with_surface(body.name) != body.name)
+      for (const BodyDescription& other : description.bodies) part(body.place, body.name, other.name);
   return contact;
 }
 
@@ -317,6 +374,9 @@ void refuse_constraints(const Description& description, const std::string& what)
   if (!place.empty())
     throw InputError(place, "a scene without ties and constraints for " + what, "one with them",
                      "leave them out, or run it as a static or dynamic scene");
+  if (place = place_of_rigid_region(description); !place.empty())
+    throw InputError(place, "a scene without rigid regions for " + what, "one",
+                     "give the region a stiff material, or run it as a static or dynamic scene");
   if (!description.joints.empty()) place = description.joints.front().place;
   if (!description.springs.empty()) place = description.springs.front().place;
   if (!description.cables.empty()) place = description.cables.front().place;

@@ -146,6 +146,16 @@ struct SkinDescription {
   bool is_smooth = false;    ///< see Embedding
 };
 
+/// A body that keeps its shape (docs/rigid.md).
+struct RigidDescription {
+  std::string place = "body.rigid";
+  std::optional<double> density{};  ///< [kg/m^3]; needed in motion
+  std::optional<double>
+      stiffness{};  ///< Young's modulus against stretching [Pa]; default: see with_control_nodes
+  /// The body of which this one is a region (rigid_region.hpp); empty: it stands alone
+  std::string region_of{};
+};
+
 /// Cells of a body that are of another material than the body. They share the body's nodes.
 struct RegionDescription {
   std::string place = "body.region";
@@ -156,14 +166,7 @@ struct RegionDescription {
   std::optional<std::vector<Index>> cells;  ///< their numbers in the mesh, in place of `where`
   /// Lists by cell have an entry for each cell of the body.
   MaterialDescription material;
-};
-
-/// A body that keeps its shape (docs/rigid.md).
-struct RigidDescription {
-  std::string place = "body.rigid";
-  std::optional<double> density{};  ///< [kg/m^3]; needed in motion
-  std::optional<double>
-      stiffness{};  ///< Young's modulus against stretching [Pa]; default: see with_control_nodes
+  std::optional<RigidDescription> rigid{};  ///< in place of a material
 };
 
 /// A deformable body of a scene.
@@ -336,6 +339,8 @@ struct CableDescription {
   std::string name;
   std::vector<AnchorDescription> points;
   double stiffness = 0;               ///< [N/m]
+  std::vector<double> elongations;    ///< rising: a spring with a table [m]
+  std::vector<double> forces;         ///< at these, in place of a stiffness [N]
   std::optional<double> rest_length;  ///< [m]; default its length at rest
   bool tension_only = false;
   std::optional<double> tension;  ///< in place of a stiffness, at a factor 1 [N]

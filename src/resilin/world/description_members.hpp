@@ -20,8 +20,8 @@ RESILIN_MEMBERS(MaterialDescription, place, law, constants, cell_constants, fibr
 RESILIN_MEMBERS(Rotation, axis, center, degrees)
 RESILIN_MEMBERS(DampingDescription, mass, stiffness, shear_viscosity, bulk_viscosity)
 RESILIN_MEMBERS(SkinDescription, place, surface, surface_name, is_smooth)
-RESILIN_MEMBERS(RigidDescription, place, density, stiffness)
-RESILIN_MEMBERS(RegionDescription, place, name, where, cells, material)
+RESILIN_MEMBERS(RigidDescription, place, density, stiffness, region_of)
+RESILIN_MEMBERS(RegionDescription, place, name, where, cells, material, rigid)
 RESILIN_MEMBERS(BodyDescription, place, name, mesh, mesh_name, element, quadrature, material, regions, scale,
                 rotate, translate, velocity, velocity_gradient, initial_positions, initial_velocities,
                 contact_shape, mass, damping, contact_surface, skin, rigid)
@@ -50,8 +50,8 @@ RESILIN_MEMBERS(MotorDescription, position, velocity, effort, stiffness, time_fu
 RESILIN_MEMBERS(JointDescription, place, name, kind, bodies, at, axis, second_axis, to, stiffness, rest,
                 damping, limits, motor)
 RESILIN_MEMBERS(AnchorDescription, place, body, at)
-RESILIN_MEMBERS(CableDescription, place, name, points, stiffness, rest_length, tension_only, tension,
-                shortening, friction, time_function)
+RESILIN_MEMBERS(CableDescription, place, name, points, stiffness, elongations, forces, rest_length,
+                tension_only, tension, shortening, friction, time_function)
 RESILIN_MEMBERS(ProbeDescription, place, name, body, at)
 RESILIN_MEMBERS(SectionDescription, place, name, body, axis, at)
 RESILIN_MEMBERS(NewtonOptions, tolerance, max_iterations, max_failures, projection, inversion_bound)

@@ -55,6 +55,16 @@ bool Domains::have_history() const {
   return std::ranges::any_of(all_, [](const Domain& domain) { return domain.history != nullptr; });
 }
 
+bool Domains::have_rigid_ones() const { return std::ranges::any_of(all_, &Domain::is_rigid); }
+
+std::vector<double> Domains::deformable_volumes() const {
+  std::vector<double> volumes = rest_volumes();
+  for (const Domain& domain : all_)
+    for (Index cell = 0; domain.is_rigid && cell < domain.energy->num_cells(); ++cell)
+      volumes[static_cast<std::size_t>(domain.number_of(cell))] = 0;
+  return volumes;
+}
+
 double Domains::value(const VectorX& x) const {
   double sum = 0;
   for (const Domain& domain : all_) sum += domain.stored_energy(x);

@@ -16,10 +16,11 @@ namespace resilin {
 struct Domain {
   std::string name;  ///< name of the [[body.region]]; empty for the body's own material
   int region = -1;   ///< its number among the regions of the body's description; -1: the body's own material
-  std::string law;   ///< name of the constitutive model
+  bool is_rigid = false;  ///< its nodes follow a rigid body (rigid_region.hpp)
+  std::string law;        ///< name of the constitutive model; "rigid" where its nodes follow a rigid body
   /// Constants of its formula; per-cell ones by their mean
   std::vector<std::pair<std::string, double>> constants{};
-  double density = 0;  ///< [kg/m^3]
+  double density = 0;  ///< [kg/m^3]; 0 where a rigid body has the mass
   /// Numbers of its cells in the body, rising; null: all
   std::shared_ptr<const std::vector<Index>> numbers{};
   SharedIndices cells{};  ///< nodes of its cells, in the world's numbering
@@ -70,7 +71,10 @@ class Domains {
   Index num_cells() const { return num_cells_; }
   double total_rest_volume() const;
 
-  bool have_history() const;             ///< internal variables, one of them at least
+  bool have_history() const;  ///< internal variables, one of them at least
+  bool have_rigid_ones() const;
+  /// Rest volumes of all cells, zero in rigid domains [m^3]
+  std::vector<double> deformable_volumes() const;
   double value(const VectorX& x) const;  ///< stored energy [J]
   double difference(const VectorX& from, const VectorX& to) const;
   /// The smallest J of all domains, as ElasticEnergy has it.

@@ -173,6 +173,21 @@ bool is_seen(const BodyDescription& body, std::string_view member) {
   return !is_one_of(member, {"place", "name", "mesh_name"});
 }
 
+bool is_seen(const CableDescription& cable, std::string_view member) {
+  if (is_one_of(member, {"elongations", "forces"})) return !cable.forces.empty();
+  return !is_one_of(member, {"place", "name"});
+}
+
+bool is_seen(const RigidDescription& rigid, std::string_view member) {
+  if (member == "region_of") return !rigid.region_of.empty();
+  return !is_one_of(member, {"place", "name"});
+}
+
+bool is_seen(const RegionDescription& region, std::string_view member) {
+  if (member == "rigid") return region.rigid.has_value();
+  return !is_one_of(member, {"place", "name"});
+}
+
 bool is_seen(const FixDescription& fix, std::string_view member) {
   if (member == "switches") return !fix.switches.empty();
   return !is_one_of(member, {"place", "name", "reports_stiffness"});

@@ -493,13 +493,17 @@ std::shared_ptr<Cable> make_cable(const CableDescription& description, World& wo
   if (!(length > 0) && !may_coincide)
     throw InputError(description.place + ".points", "points apart", "points in one place",
                      "a spring between them needs rest_length = 0");
-  return make_cable(description, world.dimension, std::move(points), length);
+  const auto cable = make_cable(description, world.dimension, std::move(points), length);
+  if (!description.rest_length) cable->rest_at(world.rest_positions);
+  return cable;
 }
 
 std::shared_ptr<Cable> make_cable(const CableDescription& description, int dim,
                                   std::vector<CarriedPoint> points, double rest_length) {
   return std::make_shared<Cable>(description.name, dim, std::move(points),
                                  Cable::Law{.stiffness = description.stiffness,
+                                            .elongations = description.elongations,
+                                            .forces = description.forces,
                                             .rest_length = description.rest_length.value_or(rest_length),
                                             .shortening = description.shortening,
                                             .tension = description.tension,
@@ -534,7 +538,7 @@ std::vector<JointForce> joint_forces(const World& world, const Conditions& condi
   if (world.joints.empty()) return found;
   const int dim = world.dimension;
   std::vector<Vector3> lambda;
-  if (world.constraints) lambda = multipliers(world, -world.constraints->forces(gradient));
+  if (world.constraints) lambda = multipliers(world, -world.constraints->forces_of_joints(gradient));
   VectorX of_energies = VectorX::Zero(gradient.size());
   std::size_t next = 0;
   for (const Joint& joint : world.joints) {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/mesh/facet.hpp"
 
 namespace resilin {
@@ -56,6 +57,20 @@ std::vector<Reaction> LinearConstraints::reactions(int dim, const VectorX& gradi
   return found;
 }
 
+VectorX LinearConstraints::forces_of_joints(const VectorX& gradient) const {
+  VectorX passed_on = gradient, forces = VectorX::Zero(gradient.size());
+  for (const auto& [owner, relation] : stated) {
+    const double force = passed_on[relation.unknown];
+    const bool is_theirs = static_cast<std::ptrdiff_t>(owner) == joints;
+    if (is_theirs) forces[relation.unknown] -= force;
+    for (const Weight& weight : relation.by) {
+      passed_on[weight.unknown] += weight.value * force;
+      if (is_theirs) forces[weight.unknown] += weight.value * force;
+    }
+  }
+  return forces;
+}
+
 VectorX LinearConstraints::forces(const VectorX& gradient) const {
   VectorX forces = VectorX::Zero(gradient.size());
   for (const Dependents::Relation& relation : dependents.relations()) {
@@ -98,8 +113,13 @@ void set_constants(const World& world, double time, Motion& constants) {
 }
 
 RelationSystem::RelationSystem(int dim, const VectorX& rest_positions,
-                               const std::vector<std::int32_t>& support_of)
-    : dim_(dim), rest_positions_(rest_positions), support_of_(support_of), entry_of_(support_of.size(), -1) {}
+                               const std::vector<std::int32_t>& support_of,
+                               std::vector<std::string> names_of_supports)
+    : dim_(dim),
+      rest_positions_(rest_positions),
+      support_of_(support_of),
+      entry_of_(support_of.size(), -1),
+      names_of_supports_(std::move(names_of_supports)) {}
 
 std::size_t RelationSystem::add_name(std::string name) {
   names_.push_back(std::move(name));
@@ -143,6 +163,24 @@ void RelationSystem::substitute(std::vector<Weight>& by, std::vector<Constant>& 
     if (value != 0) constants.push_back({function, value});
 }
 
+std::string RelationSystem::what_determines(const std::vector<Weight>& terms) const {
+  std::vector<std::string> words;
+  const auto add = [&](const auto& self, Index unknown) -> void {
+    std::string word;
+    if (const std::int32_t support = support_of_[static_cast<std::size_t>(unknown)]; support >= 0) {
+      if (static_cast<std::size_t>(support) < names_of_supports_.size())
+        word = "[[fix]] \"" + names_of_supports_[static_cast<std::size_t>(support)] + '"';
+    } else if (const Index number = entry_of_[static_cast<std::size_t>(unknown)]; number >= 0) {
+      const Entry& entry = entries_[static_cast<std::size_t>(number)];
+      if (!names_[entry.owner].empty()) word = '"' + names_[entry.owner] + '"';
+      for (const Weight& weight : entry.relation.by) self(self, weight.unknown);
+    }
+    if (!word.empty() && std::ranges::find(words, word) == words.end()) words.push_back(std::move(word));
+  };
+  for (const Weight& term : terms) add(add, term.unknown);
+  return join(words, " and ");
+}
+
 void RelationSystem::follow(std::size_t owner, Index unknown, std::vector<Weight> by,
                             std::vector<Constant> constants, const std::string& place) {
   std::vector<Weight> all = by;
@@ -157,6 +195,7 @@ void RelationSystem::follow(std::size_t owner, Index unknown, std::vector<Weight
 
 void RelationSystem::add_equation(std::size_t owner, std::vector<Weight> terms,
                                   std::vector<Constant> constants, const std::string& place) {
+  const std::vector<Weight> stated = terms;
   double largest = 0;
   for (const Weight& term : terms) largest = std::max(largest, std::abs(term.value));
   for (Constant& constant : constants) constant.value = -constant.value;
@@ -174,9 +213,15 @@ void RelationSystem::add_equation(std::size_t owner, std::vector<Weight> terms,
     std::erase_if(constants,
                   [&](const Constant& constant) { return std::abs(constant.value) <= round_off * largest; });
     if (terms.empty() && constants.empty()) return;  // says again what others have said
-    throw InputError(place, "a constraint with a displacement that nothing else prescribes",
-                     "one between displacements that boundary conditions and other constraints determine",
-                     "leave it out, or remove vertices from `where`");
+    double off = 0;
+    for (const Constant& constant : constants) off += constant.value;
+    const std::string others = what_determines(stated);
+    throw InputError(
+        place, "a constraint with a displacement that nothing else prescribes",
+        "one between displacements that " +
+            (others.empty() ? "boundary conditions and other constraints" : others) + " determine" +
+            (terms.empty() ? ", which differ from it by " + format_short(std::abs(off)) + " m" : ""),
+        "leave it out, or remove vertices from `where`");
   }
   const Weight chosen = *pivot;
   std::vector<Weight> by;
@@ -243,7 +288,8 @@ std::shared_ptr<LinearConstraints> RelationSystem::build() const {
       .names = names_,
       .stated = std::move(stated),
       .on_faces = std::move(on_faces),
-      .tied_bodies = {}});
+      .tied_bodies = {},
+      .joints = -1});
 }
 
 }  // namespace resilin

@@ -42,12 +42,15 @@ struct LinearConstraints {
   std::vector<OnFace> on_faces;    ///< in place of the forces on what follows, for the names that are here
 
   std::vector<std::array<std::size_t, 2>> tied_bodies;
+  std::ptrdiff_t joints = -1;  ///< number of the name that all joints have; -1: there is none
 
   bool ties(std::size_t body, std::size_t other) const;
   /// The forces and torques that they exert on what follows, by name.
   /// @param gradient  of the whole potential, as `Potential::gradient` gives it [N]
   std::vector<Reaction> reactions(int dim, const VectorX& gradient, const VectorX& positions) const;
-  /// dE/dx of what they exert on all that they couple [N]: zero in sum where bodies hold each other.
+  /// dE/dx of what joints exert on all that they couple [N]: zero in sum where bodies hold each other.
+  VectorX forces_of_joints(const VectorX& gradient) const;
+  /// Likewise of all.
   VectorX forces(const VectorX& gradient) const;
 };
 
@@ -62,8 +65,10 @@ class RelationSystem {
  public:
   using Constant = LinearConstraints::Constant;
 
-  /// @param support_of  as World has it
-  RelationSystem(int dim, const VectorX& rest_positions, const std::vector<std::int32_t>& support_of);
+  /// @param support_of      as World has it
+  /// @param names_of_supports  for messages; may be empty
+  RelationSystem(int dim, const VectorX& rest_positions, const std::vector<std::int32_t>& support_of,
+                 std::vector<std::string> names_of_supports = {});
 
   std::size_t add_name(std::string name);
   /// The name is that of the upper face of a periodic cell along an axis. All names of one cell come one
@@ -92,6 +97,8 @@ class RelationSystem {
   };
   /// Puts in place of what follows what it follows.
   void substitute(std::vector<Dependents::Weight>& by, std::vector<Constant>& constants) const;
+  /// Words for what determines these unknowns: "[[fix]] \"wall\" and \"link\"".
+  std::string what_determines(const std::vector<Dependents::Weight>& terms) const;
 
   struct Face {
     std::size_t owner;
@@ -105,7 +112,7 @@ class RelationSystem {
   const std::vector<std::int32_t>& support_of_;
   std::vector<Index> entry_of_;  ///< by unknown; -1: none
   std::vector<Entry> entries_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, names_of_supports_;
   std::vector<Face> faces_;
   std::vector<TimeFunction> functions_;
 };

@@ -70,6 +70,8 @@ Vector3 lengths_of_cells(const World& world, const Body& body) {
 
 /// At rest, of what the surface holds that a body meets others with, or of that surface: rising [m].
 Vector3 contact_lengths(const World& world, const Body& body) {
+  if (body.rigid && body.rigid->is_region())  // has no surface of its own
+    return Vector3::Constant(std::numeric_limits<double>::infinity());
   if (!body.meets_with_skin()) return lengths_of_cells(world, body);
   const ColliderMesh mesh = mesh_of(*body.skin, world.dimension);
   const bool has_inside = is_closed(mesh, world.dimension);
@@ -109,6 +111,8 @@ CarriedPoints skin_vertices(const Body& body) {
 
 ContactBody meeting_body(const Body& body, int dim, std::optional<double> stiffness) {
   const double kappa = barrier_stiffness(body, stiffness);
+  if (body.rigid && body.rigid->is_region())
+    return {{.kind = dim == 3 ? CellKind::triangle : CellKind::line, .nodes = {}}, kappa};
   if (!body.meets_with_skin()) return {boundary({.kind = body.cell_kind, .nodes = body.cells}).facets, kappa};
   return {skin_facets(*body.skin, dim), kappa, {body.skin, &body.skin->embedding}};
 }

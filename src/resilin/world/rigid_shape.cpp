@@ -14,6 +14,7 @@
 #include "resilin/world/body_mesh.hpp"
 #include "resilin/world/description_check.hpp"
 #include "resilin/world/meeting_surface.hpp"
+#include "resilin/world/rigid_region.hpp"
 #include "resilin/world/selection.hpp"
 
 namespace resilin {
@@ -44,18 +45,23 @@ struct Hull {
   }
 };
 
-Hull hull_of(const RigidShape& shape, const std::vector<Index>& vertices, double extent) {
-  const auto place = [&](Index v) { return node_position(shape.dimension(), v, shape.rest_positions); };
-  Hull hull{.origin = place(vertices.front()), .directions = {}};
-  while (static_cast<int>(hull.directions.size()) < shape.dimension()) {
+Hull hull_of(std::span<const Vector3> points, int dim, double extent) {
+  Hull hull{.origin = points.front(), .directions = {}};
+  while (static_cast<int>(hull.directions.size()) < dim) {
     Vector3 farthest = Vector3::Zero();
-    for (const Index v : vertices)
-      if (const Vector3 rest = hull.beside(place(v)); rest.squaredNorm() > farthest.squaredNorm())
+    for (const Vector3& point : points)
+      if (const Vector3 rest = hull.beside(point); rest.squaredNorm() > farthest.squaredNorm())
         farthest = rest;
     if (!(farthest.norm() > flatness * extent)) break;
     hull.directions.push_back(farthest.normalized());
   }
   return hull;
+}
+
+Hull hull_of(const RigidShape& shape, const std::vector<Index>& vertices, double extent) {
+  std::vector<Vector3> points;
+  for (const Index v : vertices) points.push_back(node_position(shape.dimension(), v, shape.rest_positions));
+  return hull_of(points, shape.dimension(), extent);
 }
 
 double extent_of(const RigidShape& shape) {
@@ -176,6 +182,7 @@ double stiffest_modulus(const Description& description) {
   for (const BodyDescription& body : description.bodies) {
     if (body.rigid) continue;
     for (const DomainMaterial& material : domain_materials(body, description.dimension)) {
+      if (material.region >= 0 && body.regions[static_cast<std::size_t>(material.region)].rigid) continue;
       const std::vector<double>& all = material.constants;
       const std::size_t count = material.law->constants.size();
       for (std::size_t first = 0; first + count <= all.size(); first += count)
@@ -192,7 +199,9 @@ double stiffest_modulus(const Description& description) {
 double stress_of_loads(const Description& description, const BodyDescription& body, double extent) {
   double stress = 0;
   for (const LoadDescription& load : description.loads) {
-    if (load.body != body.name && !(load.body.empty() && description.bodies.size() == 1)) continue;
+    if (load.body != body.name && load.body != body.rigid->region_of &&
+        !(load.body.empty() && description.bodies.size() == 1))
+      continue;
     const int power = load.kind == "body_force"                            ? 1
                       : load.kind == "moment"                              ? -description.dimension
                       : load.kind == "force" || load.kind == "nodal_force" ? 1 - description.dimension
@@ -208,6 +217,8 @@ class Maker {
  public:
   Maker(const Description& description, std::vector<std::string>& warnings)
       : description_(description), warnings_(warnings), soft_modulus_(stiffest_modulus(description)) {}
+
+  double soft_modulus() const { return soft_modulus_; }
 
   std::shared_ptr<const RigidShape> make(const BodyDescription& given, BodyDescription& made) const {
     if (!given.rigid) return nullptr;
@@ -238,6 +249,7 @@ class Maker {
     shape->contact_modulus = moduli.of_contact;
     shape->modulus = moduli.of_stretching;
     shape->has_own_skin = given.skin.has_value();
+    shape->region_of = rigid.region_of;
     describe(given, *shape, moduli.of_stretching, made);
     return shape;
   }
@@ -340,6 +352,9 @@ class Maker {
     made.material.law = "saint_venant_kirchhoff";
     made.material.constants = {{"youngs_modulus", modulus}, {"poissons_ratio", 0}};
     made.material.density = shape.mass / size_of_cell(shape);
+    made.skin.reset();
+    made.contact_surface = MeetingSurface::boundary;
+    if (shape.is_region()) return;
     SkinDescription skin{.place = given.place + ".rigid", .surface = {}, .surface_name = given.mesh_name};
     if (given.skin) {
       skin = *given.skin;
@@ -420,6 +435,11 @@ std::vector<Index> RigidShape::nodes_held_by(const std::vector<Index>& vertices)
   return nodes;
 }
 
+bool RigidShape::is_held_by(std::span<const Vector3> points) const {
+  const Hull hull = hull_of(points, dimension(), extent_of(*this));
+  return static_cast<int>(hull.directions.size()) >= dimension() - 1;
+}
+
 bool is_shown_by_skin(const Body& body) {
   return body.skin != nullptr && (!body.rigid || body.rigid->has_own_skin);
 }
@@ -455,6 +475,7 @@ RigidBodies with_control_nodes(const Description& description, std::vector<std::
   check_description(description);
   RigidBodies made{.description = description, .shapes = {}};
   const Maker maker(description, warnings);
+  for (BodyDescription& body : made.description.bodies) fill_rigid_regions(body, maker.soft_modulus());
   for (std::size_t b = 0; b < description.bodies.size(); ++b)
     made.shapes.push_back(description.bodies[b].rigid
                               ? maker.make(description.bodies[b], made.description.bodies[b])

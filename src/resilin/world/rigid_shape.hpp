@@ -29,6 +29,10 @@ struct RigidShape {
   double modulus = 0;          ///< Young's modulus against stretching [Pa]
   double contact_modulus = 0;  ///< stands in contact for Young's modulus [Pa]
   bool has_own_skin = false;   ///< the scene gives a surface beside the mesh, or in its place
+  std::string region_of;       ///< name of the body whose cells these are (rigid_region.hpp); empty: none
+
+  /// Whether another body has its cells and its surface.
+  bool is_region() const { return !region_of.empty(); }
 
   int dimension() const { return element->dim; }
   /// Whether the mass matrix is diagonal.
@@ -42,6 +46,8 @@ struct RigidShape {
   /// The control nodes that a support of these vertices fixes: all for vertices of a plane (in 2D a line) or
   /// of more, else those that span them.
   std::vector<Index> nodes_held_by(const std::vector<Index>& vertices) const;
+  /// Whether points lie in no line, in 2D in no point: who holds them holds the body.
+  bool is_held_by(std::span<const Vector3> points) const;
 };
 
 /// A description in which the mesh of each rigid body is the cell of its control nodes and its surface a

@@ -7,6 +7,7 @@
 #include "resilin/core/text.hpp"
 #include "resilin/energy/dead_load.hpp"
 #include "resilin/world/axisymmetry.hpp"
+#include "resilin/world/rigid_region.hpp"
 
 namespace resilin {
 namespace {
@@ -119,6 +120,7 @@ void check_releases(const Description& description, World& world) {
   refuse_beside(description.ties, "tie");
   refuse_beside(description.constraints, "constraint");
   refuse_beside(description.joints, "joint");
+  refuse_beside(place_of_rigid_region(description), "rigid region");
   if (world.is_dynamic) return;
   for (int phase = phase_at(world, 0); phase <= static_cast<int>(world.switch_times.size()); ++phase) {
     // Later contact may hold what nothing else does.

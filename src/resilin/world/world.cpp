@@ -118,6 +118,7 @@ class Builder {
  private:
   void add_body(const BodyDescription& body);
   void add_support(std::size_t number);
+  void hold_rigid_regions(const Body& body, const FixDescription& fix, std::vector<Index>& nodes);
   void add_load(std::size_t number);
   void add_probe(std::size_t number);
   void add_section(const SectionDescription& section);
@@ -301,7 +302,35 @@ void Builder::add_support(std::size_t number) {
   if (world_.dimension == 2) support.components[2] = false;
   if (world_.is_dynamic && fix.rotate && turns_at_once(fix)) ease_turn(*fix.rotate, world_, support);
   for (Index& node : support.nodes) node += body.first_node;
+  hold_rigid_regions(body, fix, support.nodes);
   world_.supports.push_back(std::move(support));
+}
+
+/// In place of nodes that follow a rigid region it holds the control nodes of this region.
+void Builder::hold_rigid_regions(const Body& body, const FixDescription& fix, std::vector<Index>& nodes) {
+  if (!body.domains.have_rigid_ones()) return;
+  for (const Body& rigid : world_.bodies) {
+    if (!rigid.rigid || rigid.rigid->region_of != body.name) continue;
+    const std::vector<Index> followers = followers_of(world_, rigid);
+    std::vector<Vector3> points;
+    std::erase_if(nodes, [&](Index node) {
+      const bool follows = std::ranges::binary_search(followers, node);
+      if (follows) points.push_back(node_position(world_.dimension, node, world_.rest_positions));
+      return follows;
+    });
+    if (points.empty()) continue;
+    if (!fix.gradient.isZero(0))
+      throw InputError(fix.place + ".gradient", "none on the rigid region \"" + rigid.name + '"', "one",
+                       "turn it with rotate, or hold vertices outside of it");
+    if (!rigid.rigid->is_held_by(points))
+      throw InputError(fix.place + ".where",
+                       "vertices that hold the rigid region \"" + rigid.name + "\" as a whole, or none of it",
+                       points.size() == 1 ? "a point of it" : "points in a line",
+                       "hold it by a [[joint]] of bodies = [\"" + rigid.name + "\"]");
+    for (Index node = rigid.first_node; node < rigid.first_node + rigid.num_nodes; ++node)
+      nodes.push_back(node);
+  }
+  std::ranges::sort(nodes);
 }
 
 void Builder::add_load(std::size_t number) {
@@ -325,6 +354,9 @@ void Builder::add_section(const SectionDescription& section) {
   const Body& body = world_.bodies[find_body(world_, section.body, section.place + ".body")];
   if (body.rigid)
     throw InputError(section.place + ".body", "a deformable body", "the rigid body \"" + body.name + '"');
+  if (body.domains.have_rigid_ones())
+    throw InputError(section.place + ".body", "a body without rigid regions", '"' + body.name + '"',
+                     "the reactions of supports and frames[].joints have forces");
   world_.sections.emplace_back(section, body, world_.dimension, world_.rest_positions);
 }
 
