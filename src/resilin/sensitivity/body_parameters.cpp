@@ -311,7 +311,9 @@ std::string prefix_of(const Domain& domain) { return domain.region < 0 ? "" : "r
 
 std::vector<std::string> keys_of_body(const World& world, std::size_t body) {
   std::vector<std::string> keys;
+  if (world.bodies[body].rigid) return keys;
   for (const Domain& domain : world.bodies[body].domains) {
+    if (domain.is_rigid) continue;
     const std::string prefix = prefix_of(domain);
     const MaterialDescription& material = material_of(description_of(world, body), domain.region);
     for (const auto& [name, value] : given_numbers(domain.law_info(), material))

@@ -6,7 +6,7 @@
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
 #include "resilin/world/axisymmetry.hpp"
-#include "resilin/world/constraints.hpp"
+#include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/support_phase.hpp"
 #include "resilin/world/viscoelastic_material.hpp"
 
@@ -25,7 +25,6 @@ void check_is_differentiable(const Description& description) {
   if (!description.is_dynamic && description.load_control == LoadControlKind::arc_length)
     refuse("equilibria at given loads", "simulation.load_control = \"arc_length\"",
            "take load_control = \"load\"");
-  refuse_constraints(description, "derivatives");
   refuse_releases(description, "derivatives");
   const auto rubs_at_times = [](const auto& entry) { return !entry.friction_factor.is_constant(); };
   if (rubs_at_times(description.contact) || std::ranges::any_of(description.colliders, rubs_at_times))
@@ -39,10 +38,14 @@ void check_is_differentiable(const Description& description) {
   if (const auto history = find_history(description))
     throw InputError(history->place, "elastic materials where derivatives are asked for", history->kind,
                      history->cure);
-  for (const BodyDescription& body : description.bodies)
-    if (body.rigid)
-      throw InputError(body.rigid->place, "deformable bodies where derivatives are asked for", "a rigid one",
-                       "leave rigid out, or make it a collider");
+  for (const CableDescription& cable : description.cables)
+    if (cable.friction != 0)
+      throw InputError(cable.place + ".friction", "no friction of a cable where derivatives are asked for",
+                       format_number(cable.friction), "leave it out");
+  for (const JointDescription& joint : description.joints)
+    if (joint.damping != 0)
+      throw InputError(joint.place + ".damping", "no damper of a joint where derivatives are asked for",
+                       format_number(joint.damping), "leave it out; body.damping has derivatives");
 }
 
 }  // namespace
@@ -143,11 +146,13 @@ VectorX Derivatives::weights_of(const std::vector<Vector3>& reactions) const {
     if (const std::int32_t support = world().support_of[i]; support >= 0)
       weights[static_cast<Eigen::Index>(i)] =
           reactions[static_cast<std::size_t>(support)][static_cast<int>(i) % dim];
+  if (world().constraints) world().dependents()->follow(weights);  // they pass their forces on to supports
   return weights;
 }
 
-std::vector<Vector3> Derivatives::reactions_of(const VectorX& gradient) const {
+std::vector<Vector3> Derivatives::reactions_of(VectorX gradient) const {
   const int dim = world().dimension;
+  if (world().constraints) world().dependents()->add_forces(gradient);
   std::vector<Vector3> reactions(world().supports.size(), Vector3::Zero());
   for (std::size_t i = 0; i < world().support_of.size(); ++i)
     if (const std::int32_t support = world().support_of[i]; support >= 0)

@@ -100,7 +100,7 @@ class Derivatives {
   std::vector<VectorX> gathered(const TermChanges& terms, WorldChange slopes) const;
   /// Weights of the gradient at the fixed unknowns that make these weighted reactions.
   VectorX weights_of(const std::vector<Vector3>& reactions) const;
-  std::vector<Vector3> reactions_of(const VectorX& gradient) const;
+  std::vector<Vector3> reactions_of(VectorX gradient) const;
 
   DerivativeOptions options_;
   Simulation simulation_;

@@ -9,6 +9,7 @@
 #include "resilin/sensitivity/stage_slopes.hpp"
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -81,8 +82,13 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
       const Motion& now = sequence.start().now;
       prescribed = mean_of_step(now.positions, now.velocities, end_prescribed, dt);
       prescribed = take_fixed(world_, prescribed);
+      follow(world_, prescribed);
     }
     follow_prescribed(world_, prescribed, stage);
+    if (world_.constraints) {
+      world_.dependents()->follow(stage.base_positions);
+      world_.dependents()->follow(stage.base_velocities);
+    }
     const Potential potential = potential_of(world_, at);
     tangent_.form(potential, at.motion.positions);
     const ImpulseSlopes impulses(world_, potential, at);
@@ -106,6 +112,7 @@ History MotionSteps::forward(const StepReplay& step, const History& change, cons
   end.positions += end_prescribed.positions;
   end.velocities += end_prescribed.velocities;
   end.accelerations += end_prescribed.accelerations;
+  follow(world_, end);
   return sequence.after(std::move(end));
 }
 
@@ -118,6 +125,7 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     return scheme_.looks_back() ? step.stages[i].by_impulses : none;
   };
   History by_end = by_next;
+  follow_transposed(world_, by_end.now);
   Motion by_end_prescribed = take_fixed(world_, by_end.now);
   TransposedSequence sequence(scheme_, by_end, where(step.stages.size() - 1), dt,
                               step.start().previous_time_step);
@@ -145,9 +153,12 @@ History MotionSteps::transposed(const StepReplay& step, const History& by_next, 
     } else {
       lambda -= tangent_.solve(by_x, true, &earlier_[i]);
     }
-    by_x += tangent_.times(lambda, true);  // zero at the free unknowns
+    by_x += tangent_.times(lambda, true);
+    follow_transposed(world_, by_x);  // zero at the free unknowns
     add_stage_slopes({world_, potential}, at.motion.positions, lambda, by_terms, by_stage);
     if (at.stage.is_mean) by_stage.base_positions += impulses.by_base(lambda, true);
+    follow_transposed(world_, by_stage.base_positions);
+    follow_transposed(world_, by_stage.base_velocities);
     Motion by_prescribed = zero_motion(size);
     for (Eigen::Index k = 0; k < size; ++k) {  // follow_prescribed, transposed
       if (world_.is_fixed[static_cast<std::size_t>(k)] == 0) continue;
@@ -225,6 +236,7 @@ void MotionSteps::transposed_accelerations(const Motion& at, double time, Motion
   world_.mass->multiply(lambda, pull);
   Motion by_prescribed = zero_motion(at.positions.size());
   by_prescribed.accelerations = by_motion.accelerations + pull;
+  follow_transposed(world_, by_prescribed);
   by_prescribed = take_fixed(world_, by_prescribed);
   add_prescribed_slopes(world_, by_prescribed, smooth.potential.conditions(), by_world);
   by_motion.positions += smooth.tangent_times(world_, at.positions, lambda, true);
@@ -246,6 +258,7 @@ Motion MotionSteps::forward_start(const StepReplay& first, const TermChanges& of
   if (of_world.start_positions.size() > 0) start.positions = of_world.start_positions;
   place_prescribed_changes(world_, of_world, first.conditions_at_start(), prescribed);
   start.velocities += prescribed.velocities;
+  if (world_.constraints) world_.dependents()->follow(start.velocities);
   if (scheme_.needs_accelerations() && !first.renews_accelerations)
     start.accelerations = forward_accelerations(first.start().now, first.time, start, of_terms, of_world);
   return start;
@@ -258,6 +271,7 @@ void MotionSteps::transposed_start(const StepReplay& first, Motion by_start, Ter
   if (by_world.start_positions.size() > 0) by_world.start_positions += by_start.positions;
   by_start.positions.setZero();
   by_start.accelerations.setZero();
+  follow_transposed(world_, by_start.velocities);
   const Motion by_prescribed = take_fixed(world_, by_start);
   add_prescribed_slopes(world_, by_prescribed, first.conditions_at_start(), by_world);
   if (by_world.start_velocities.size() > 0) by_world.start_velocities += by_start.velocities;

@@ -73,6 +73,19 @@ Parameter load_parameter(const World& world, std::size_t l, const std::string& n
   return parameter;
 }
 
+/// A number of a joint, a spring or a cable: of its term and of its description.
+Parameter coupling_parameter(std::size_t term, const std::string& name, const std::string& of_term,
+                             double value, const std::function<double&(Description&)>& member) {
+  Parameter parameter{.name = name, .shape = {}, .value = VectorX::Constant(1, value)};
+  parameter.ask = [=](WorldChange& of) { of.couplings[term][of_term] = VectorX::Zero(1); };
+  parameter.spread = [=](const VectorX& by, WorldChange& of) { of.couplings[term][of_term] += by; };
+  parameter.gather = [=](const WorldChange& of, VectorX& slopes) {
+    slopes += of.couplings.at(term).at(of_term);
+  };
+  parameter.set = [=](const VectorX& to, Description& of) { member(of) = to[0]; };
+  return parameter;
+}
+
 Parameter support_parameter(const World& world, std::size_t s, const std::string& name,
                             const std::string& key) {
   const int dim = world.dimension;
@@ -166,7 +179,73 @@ struct Entry {
   std::function<Parameter()> make;
   bool is_friction_of_none = false;  ///< a coefficient that is zero
   bool is_roller = false;            ///< the place of a collider that turns where it is
+  bool moves_constraints = false;    ///< changes by which unknowns follow from others
 };
+
+/// Numbers of springs, cables, and of the springs and motors of joints.
+void add_couplings(const World& world, std::vector<Entry>& all) {
+  using Kind = TermOrigin::Kind;
+  const Description& description = *world.made_from;
+  const auto add = [&](const TermOrigin& origin, const std::string& name, const std::string& of_term,
+                       double value, const std::function<double&(Description&)>& member) {
+    if (const std::optional<std::size_t> term = world.find_term(origin))
+      all.push_back(
+          {.name = name, .make = [=] { return coupling_parameter(*term, name, of_term, value, member); }});
+  };
+  const auto add_cables = [&](std::vector<CableDescription> Description::* list, Kind kind,
+                              const std::string& word, std::size_t first) {
+    for (std::size_t i = 0; i < (description.*list).size(); ++i) {
+      const CableDescription& cable = (description.*list)[i];
+      const Cable::Law& law = world.cables[first + i]->law();
+      const std::string start = prefix(word, cable.name, i);
+      const auto of_cable = [&](const std::string& key, double value, auto member) {
+        add({kind, i}, start + key, key, value,
+            [=](Description& of) -> double& { return member((of.*list)[i]); });
+      };
+      if (cable.tension) {
+        of_cable("tension", *cable.tension, [](CableDescription& of) -> double& { return *of.tension; });
+        continue;
+      }
+      if (cable.forces.empty())
+        of_cable("stiffness", cable.stiffness, [](CableDescription& of) -> double& { return of.stiffness; });
+      of_cable("rest_length", law.rest_length, [](CableDescription& of) -> double& {
+        return of.rest_length ? *of.rest_length : of.rest_length.emplace();
+      });
+      if (kind == Kind::cable)
+        of_cable("shortening", cable.shortening,
+                 [](CableDescription& of) -> double& { return of.shortening; });
+    }
+  };
+  add_cables(&Description::springs, Kind::spring, "spring", 0);
+  add_cables(&Description::cables, Kind::cable, "cable", description.springs.size());
+  for (std::size_t j = 0; j < description.joints.size(); ++j) {
+    const JointDescription& joint = description.joints[j];
+    const Joint& made = world.joints[j];
+    const std::string start = prefix("joint", joint.name, j);
+    const auto of_joint = [&](std::size_t term, const std::string& key, const std::string& of_term,
+                              double value, auto member) {
+      add({Kind::joint, j, term}, start + key, of_term, value,
+          [=](Description& of) -> double& { return member(of.joints[j]); });
+    };
+    if (joint.stiffness > 0) {  // behind the energies that keep the joint closed
+      of_joint(made.gaps.size(), "stiffness", "stiffness", joint.stiffness,
+               [](JointDescription& of) -> double& { return of.stiffness; });
+      of_joint(made.gaps.size(), "rest", "rest", joint.rest,
+               [](JointDescription& of) -> double& { return of.rest; });
+    }
+    if (!joint.motor) continue;
+    const std::size_t last = made.terms.size() - 1;
+    if (joint.motor->effort)
+      of_joint(last, joint.kind == JointKind::hinge ? "motor.torque" : "motor.force", "effort",
+               *joint.motor->effort, [](JointDescription& of) -> double& { return *of.motor->effort; });
+    else if (joint.motor->velocity)
+      of_joint(last, "motor.velocity", "velocity", *joint.motor->velocity,
+               [](JointDescription& of) -> double& { return *of.motor->velocity; });
+    else
+      of_joint(last, "motor.position", "position", joint.motor->position,
+               [](JointDescription& of) -> double& { return of.motor->position; });
+  }
+}
 
 void add_friction(const World& world, std::vector<Entry>& all) {
   const Description& description = *world.made_from;
@@ -222,6 +301,8 @@ std::vector<Entry> entries(const World& world) {
     for (const std::string& key : keys_of_body(world, b)) {
       const std::string name = prefix("body", world.bodies[b].name, b) + key;
       all.push_back({name, [&world, b, name, key] { return parameter_of_body(world, b, name, key); }});
+      all.back().moves_constraints =
+          world.constraints && (key == "rest_positions" || key.starts_with("initial_"));
     }
   for (std::size_t l = 0; l < description.loads.size(); ++l)
     for (const EnergyParameter& of_term : world.terms[world.term_of_load(l)]->parameters()) {
@@ -238,6 +319,7 @@ std::vector<Entry> entries(const World& world) {
       all.push_back({name, [&world, s, name, key] { return support_parameter(world, s, name, key); }});
     }
   }
+  add_couplings(world, all);
   add_motions(world, passes_time, all);
   add_friction(world, all);
   all.push_back({"simulation.gravity", [&world] { return gravity(world, "simulation.gravity"); }});
@@ -251,6 +333,9 @@ std::optional<InputError> refusal_of(const World& world, const Entry& entry) {
     return InputError(
         name, "a collider that does not rotate in place", "one that does",
         "elsewhere its axis would not be its own: use its velocity or displacement, which the axis follows");
+  if (entry.moves_constraints)
+    return InputError(name, "a scene without ties, constraints, joints and rigid regions", "one with them",
+                      "take other parameters: these would change which positions follow from which");
   if (entry.is_friction_of_none)
     return InputError(name, "a friction coefficient above 0", "0",
                       "give a small value: without it there is no friction to differentiate");

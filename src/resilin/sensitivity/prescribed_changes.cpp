@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "resilin/world/linear_constraints.hpp"
+
 namespace resilin {
 namespace {
 
@@ -73,6 +75,24 @@ void place_prescribed_changes(const World& world, const WorldChange& change, con
           (*parts[part])[i] = slopes[part].by_displacement * end[k] +
                               slopes[part].by_velocity * of.velocity[k] + slopes[part].by_rest.row(k).dot(dX);
       });
+  follow(world, motion);
+}
+
+void follow(const World& world, Motion& change) {
+  if (!world.constraints) return;
+  for (VectorX* part : {&change.positions, &change.velocities, &change.accelerations})
+    if (part->size() > 0) world.dependents()->follow(*part);
+}
+
+void follow_transposed(const World& world, VectorX& slopes) {
+  if (!world.constraints || slopes.size() == 0) return;
+  world.dependents()->add_forces(slopes);
+  for (const Dependents::Relation& relation : world.dependents()->relations()) slopes[relation.unknown] = 0;
+}
+
+void follow_transposed(const World& world, Motion& slopes) {
+  for (VectorX* part : {&slopes.positions, &slopes.velocities, &slopes.accelerations})
+    follow_transposed(world, *part);
 }
 
 void add_prescribed_slopes(const World& world, const Motion& by_motion, const Conditions& conditions,

@@ -6,6 +6,7 @@
 #include "resilin/simulation/initial_acceleration.hpp"
 #include "resilin/simulation/prescribed_motion.hpp"
 #include "resilin/simulation/stage_plan.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -64,6 +65,7 @@ StepReplay replay_step(const World& world, const Integrator& scheme, const Histo
                   .sequence = StageSequence(scheme, std::move(from), time_step)};
   for (std::size_t i = 0; i < places.size(); ++i) {
     StagePlan plan = plan_in_motion(world, state, time_step, step.sequence.begin(), places[i]);
+    if (world.constraints) world.dependents()->place(VectorX(plan.targets), plan.targets);
     Motion motion = plan.stage.motion(std::move(plan.targets));
     step.stages.push_back({std::move(plan.stage), plan.conditions, std::move(motion)});
     StageReplay& made = step.stages.back();

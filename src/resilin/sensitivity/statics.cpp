@@ -116,7 +116,8 @@ std::vector<VectorX> StaticDerivatives::slopes_at_places(const std::vector<Frame
     if (follows_way()) stage.base_positions = zero;
     add_stage_slopes({world(), at}, places_[frame], lambda, term_slopes, stage);
     if (follows_way()) by_way = stage.base_positions;
-    const Motion prescribed{by_x + tangent_.times(lambda, true), {}, {}};
+    Motion prescribed{by_x + tangent_.times(lambda, true), {}, {}};
+    follow_transposed(world(), prescribed);
     add_prescribed_slopes(world(), prescribed, conditions(frame), world_slopes);
   }
   return gathered(term_slopes, std::move(world_slopes));

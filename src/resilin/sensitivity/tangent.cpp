@@ -9,6 +9,7 @@
 #include "resilin/linear/gmres.hpp"
 #include "resilin/optimize/near_solve.hpp"
 #include "resilin/optimize/residual.hpp"
+#include "resilin/world/linear_constraints.hpp"
 
 namespace resilin {
 namespace {
@@ -96,6 +97,7 @@ void Tangent::form(const Potential& potential, const VectorX& x, Newton* near) {
   potential.hessian(x, Projection::none, whole_);
   skew_.emplace(world_, potential, x);
   free_ = whole_;
+  if (world_.constraints) world_.dependents()->reduce(free_);
   eliminate(free_, world_.is_fixed);
   has_impulses_ = std::ranges::any_of(
       potential.terms(), [](const Energy* term) { return acts_as_impulse(term->properties().category); });
@@ -262,18 +264,30 @@ VectorX Tangent::solve_symmetric(const VectorX& b, EarlierSolutions* earlier) {
   return p;
 }
 
-VectorX Tangent::solve_symmetric_part(VectorX b) {
+/// C^T b at the free unknowns (linear/dependents.hpp).
+void Tangent::reduce(VectorX& b) const {
+  if (world_.constraints) world_.dependents()->add_forces(b);
   set_fixed_to_zero(world_.is_fixed, b);
-  return solve_symmetric(b);
+}
+
+/// C p, p zero at the fixed unknowns.
+VectorX Tangent::followed(VectorX p) const {
+  if (world_.constraints) world_.dependents()->follow(p);
+  return p;
+}
+
+VectorX Tangent::solve_symmetric_part(VectorX b) {
+  reduce(b);
+  return followed(solve_symmetric(b));
 }
 
 /// With the symmetric part as preconditioner.
 VectorX Tangent::solve(VectorX b, bool is_transposed, EarlierSolutions* earlier) {
-  set_fixed_to_zero(world_.is_fixed, b);
-  if (is_symmetric()) return solve_symmetric(b, earlier);
+  reduce(b);
+  if (is_symmetric()) return followed(solve_symmetric(b, earlier));
   const auto product = [&](const VectorX& p) {
-    VectorX forces = times(p, is_transposed);
-    set_fixed_to_zero(world_.is_fixed, forces);
+    VectorX forces = times(followed(p), is_transposed);
+    reduce(forces);
     return forces;
   };
   const auto precondition = [this](const VectorX& r) { return solve_symmetric(r); };
@@ -286,7 +300,7 @@ VectorX Tangent::solve(VectorX b, bool is_transposed, EarlierSolutions* earlier)
   // Impulses of stiff barriers magnify what is left, and the iteration knows it by its own sums alone.
   if (tolerance() <= tight_tolerance)
     report.x += gmres(product, b - product(report.x), refinement, most_skew_iterations, precondition).x;
-  return report.x;
+  return followed(std::move(report.x));
 }
 
 }  // namespace resilin

@@ -68,6 +68,8 @@ class Tangent {
   void factorize();
   void factorize_indefinite();
   double tolerance() const;
+  void reduce(VectorX& b) const;
+  VectorX followed(VectorX p) const;
   VectorX solve_symmetric(const VectorX& b, EarlierSolutions* earlier = nullptr);
   /// To a tolerance beside b with factors of a matrix that is near. None: there are none, or they take too
   /// long, and K has its own now.

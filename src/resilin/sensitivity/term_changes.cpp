@@ -19,6 +19,7 @@ TermLinks::TermLinks(const World& world)
     const auto& [kind, number, domain] = world.origins[t];
     if (kind == Kind::domain) elastic_.push_back({t, number, domain});
     if (kind == Kind::load) loads_.push_back(t);
+    if (kind == Kind::spring || kind == Kind::cable) cables_.push_back(t);
     if (kind == Kind::gravity) gravity_ = static_cast<int>(t);
     if (kind == Kind::inertia) inertia_ = static_cast<int>(t);
     if (kind == Kind::viscous_damping) viscous_.push_back({t, number, domain});
@@ -53,6 +54,8 @@ TermChanges TermLinks::zero(const WorldChange& asked) const {
       add(term, "constants", constants.size());
   for (std::size_t l = 0; l < asked.loads.size(); ++l)
     for (const auto& [name, numbers] : asked.loads[l]) add(loads_[l], name, numbers.size());
+  for (const auto& [term, of_term] : asked.couplings)
+    for (const auto& [name, numbers] : of_term) add(term, name, numbers.size());
   const auto add_rest_positions = [&](std::size_t term) {
     for (const EnergyParameter& parameter : world_.terms[term]->parameters())
       if (parameter.name == "rest_positions") add(term, "rest_positions", num_unknowns);
@@ -60,6 +63,7 @@ TermChanges TermLinks::zero(const WorldChange& asked) const {
   if (asked.rest_positions.size() > 0) {
     for (const OfDomain& of : elastic_) add_rest_positions(of.term);
     for (const std::size_t term : loads_) add_rest_positions(term);
+    for (const std::size_t term : cables_) add_rest_positions(term);
   }
   if (moves_gravity(asked)) add(static_cast<std::size_t>(gravity_), "forces", num_unknowns);
   if (inertia_ >= 0 && asked.has_mass())
@@ -87,6 +91,8 @@ TermChanges TermLinks::spread(const WorldChange& change) const {
       terms[term]["constants"] = constants;
   for (std::size_t l = 0; l < change.loads.size(); ++l)
     for (const auto& [name, numbers] : change.loads[l]) terms[loads_[l]][name] = numbers;
+  for (const auto& [term, of_term] : change.couplings)
+    for (const auto& [name, numbers] : of_term) terms[term][name] = numbers;
   for (std::map<std::string, VectorX, std::less<>>& of_term : terms)
     if (const auto found = of_term.find("rest_positions"); found != of_term.end())
       found->second = change.rest_positions;
@@ -118,6 +124,8 @@ void TermLinks::gather(const TermChanges& terms, WorldChange& slopes) const {
       constants += terms[term].find("constants")->second;
   for (std::size_t l = 0; l < slopes.loads.size(); ++l)
     for (auto& [name, numbers] : slopes.loads[l]) numbers += terms[loads_[l]].find(name)->second;
+  for (auto& [term, of_term] : slopes.couplings)
+    for (auto& [name, numbers] : of_term) numbers += terms[term].find(name)->second;
   for (const std::map<std::string, VectorX, std::less<>>& of_term : terms)
     if (const auto found = of_term.find("rest_positions"); found != of_term.end())
       slopes.rest_positions += found->second;
@@ -160,7 +168,12 @@ void TermLinks::spread_gravity(const WorldChange& change, VectorX& forces) const
     world_.mass->add_change(entries, world_.gravity.head(dim).replicate(world_.num_nodes(), 1), forces);
     return;
   }
-  for_each_domain(change, [&](std::size_t, const Domain& domain, const WorldChange::OfDomain& of) {
+  for_each_domain(change, [&](std::size_t b, const Domain& domain, const WorldChange::OfDomain& of) {
+    if (const Body& body = world_.bodies[b]; body.rigid) {
+      for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+        forces.segment(Eigen::Index{node} * dim, dim) += world_.mass->nodal[node] * change.gravity.head(dim);
+      return;
+    }
     const ElementInfo& element = domain.energy->element();
     add_body_force(element, domain.cells, world_.rest_positions,
                    domain.density * change.gravity + of.density * world_.gravity, forces);
@@ -187,7 +200,13 @@ void TermLinks::gather_gravity(const VectorX& by_forces, WorldChange& slopes) co
     });
     return;
   }
-  for_each_domain(slopes, [&](std::size_t, const Domain& domain, WorldChange::OfDomain& of) {
+  for_each_domain(slopes, [&](std::size_t b, const Domain& domain, WorldChange::OfDomain& of) {
+    if (const Body& body = world_.bodies[b]; body.rigid) {
+      for (Index node = body.first_node; node < body.first_node + body.num_nodes; ++node)
+        slopes.gravity.head(dim) +=
+            world_.mass->nodal[node] * by_forces.segment(Eigen::Index{node} * dim, dim);
+      return;
+    }
     const ElementInfo& element = domain.energy->element();
     VectorX volumes = VectorX::Zero(by_forces.size());
     add_body_force(element, domain.cells, world_.rest_positions, Vector3::Ones(), volumes);

@@ -50,7 +50,7 @@ class TermLinks {
   const Description& description_;
   int gravity_ = -1, inertia_ = -1, mass_damping_ = -1;  ///< numbers of terms
   std::vector<OfDomain> elastic_, viscous_;
-  std::vector<std::size_t> loads_;  ///< numbers of their terms
+  std::vector<std::size_t> loads_, cables_;  ///< numbers of their terms
   BarrierLinks barriers_;
   ContactLinks contacts_;
 };

@@ -56,6 +56,8 @@ struct WorldChange {
   Vector3 gravity = Vector3::Zero();
   std::vector<OfBody> bodies;
   std::vector<std::map<std::string, VectorX>> loads;  ///< by the names of the term's parameters
+  /// Numbers of joints, springs and cables: by the number of the term and its parameter
+  std::map<std::size_t, std::map<std::string, VectorX>> couplings;
   std::vector<OfSupport> supports;
   std::vector<OfCollider> colliders;
   OfContact contact;
