@@ -174,12 +174,14 @@ RunOutcome step_to_end(Simulation& simulation, const RunHooks& hooks, TimedEstim
       return {RunStatus::budget,
               "stopped after " + std::to_string(steps) + " steps as asked, at " + reached(simulation)};
     }
+    const int step_before = simulation.state().step;
     const StepReport report = simulation.step(observer);
     if (report.status == StepReport::Status::interrupted) return stopped();
     for (const std::string& warning : report.warnings) log_warning(warning);
     if (report.status == StepReport::Status::not_converged) {
       log_warning(reached(simulation) + ": " + report.reason);
-      if (!simulation.world().is_dynamic) return {RunStatus::not_converged, report.reason};
+      if (!simulation.world().is_dynamic || simulation.state().step == step_before)
+        return {RunStatus::not_converged, report.reason};
     }
     if (simulation.is_finished()) {
       timed.measure([&] { timed.space = space_error(simulation); });

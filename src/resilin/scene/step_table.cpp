@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <utility>
@@ -31,12 +32,12 @@ Keys<StepTable> step_keys() {
              [](const SceneNode& node, S& s) { s.duration = read_number(node, positive); }),
       key<S>({"activate", "list of texts", "", "none",
               "What acts, or moves by its displacement, from this step on: `load.NAME`, `fix.NAME`, "
-              "`collider.NAME`, `collider.NAME.friction`, `contact.friction`, `gravity`."},
+              "`collider.NAME`, `collider.NAME.friction`, `contact.friction`, `contact.BODY/BODY` (a contact "
+              "pair), `gravity`."},
              [](const SceneNode& node, S& s) { read_names(node, s.activate); }),
       key<S>({"deactivate", "list of texts", "", "none",
-              "Loads, gravity and friction that cease, colliders that go back to where they started, and "
-              "supports that "
-              "let go, in this step."},
+              "Loads, gravity and friction that cease, colliders that go back to where they started, contact "
+              "pairs that end, and supports that let go, in this step."},
              [](const SceneNode& node, S& s) { read_names(node, s.deactivate); }),
   };
 }
@@ -47,6 +48,7 @@ struct Switched {
   bool is_load = false;  ///< else something that moves
   std::string refusal;   ///< why no step may activate it; empty: one may
   FixDescription* fix = nullptr;
+  std::array<std::string, 2> pair{};  ///< names of the bodies of a contact pair
   bool is_on = false;
   bool is_named = false;
   TimeFunction::Table table{};
@@ -111,19 +113,45 @@ SwitchedByName all_switched(Description& d) {
   return all;
 }
 
-Switched& find_switched(const SceneNode& node, const std::string& name, SwitchedByName& all) {
+/// Contact pairs that a step can name, in both orders.
+void add_pairs(const Description& d, SwitchedByName& all) {
+  if (!d.contact.is_enabled) return;
+  for (const BodyDescription& a : d.bodies)
+    for (const BodyDescription& b : d.bodies)
+      all["contact." + a.name + "/" + b.name] = {
+          .function = nullptr, .refusal = "", .pair = {a.name, b.name}, .is_on = true};
+}
+
+bool is_pair(const ContactPairDescription& pair, const std::array<std::string, 2>& bodies) {
+  return pair.bodies == bodies || (pair.bodies[0] == bodies[1] && pair.bodies[1] == bodies[0]);
+}
+
+/// The entry of a contact pair that counts, made if there is none.
+ContactPairDescription& find_pair(Description& d, const std::array<std::string, 2>& bodies,
+                                  const std::string& place) {
+  std::vector<ContactPairDescription>& pairs = d.contact.pairs;
+  for (auto pair = pairs.rbegin(); pair != pairs.rend(); ++pair)
+    if (is_pair(*pair, bodies)) return *pair;
+  ContactPairDescription& pair = pairs.emplace_back();
+  pair.place = place;
+  pair.bodies = bodies;
+  return pair;
+}
+
+Switched& find_switched(const SceneNode& node, const std::string& name, const Description& d,
+                        SwitchedByName& all) {
+  if (name.starts_with("contact.") && name.find('/') != std::string::npos) {
+    if (!d.contact.is_enabled) node.fail_with("contact between bodies is disabled; set contact.enabled");
+    if (!all.contains(name)) add_pairs(d, all);
+  }
   const auto found = all.find(name);
-  if (name.starts_with("contact.") && name != "contact.friction")
-    node.fail_with("\"" + one_line(name) +
-                   "\": contact pairs are the same in all steps; start bodies with a gap, or "
-                   "switch \"contact.friction\"");
   if (found == all.end()) {
     std::vector<std::string> names;
     for (const auto& [known, entry] : all) names.push_back(known);
     const std::string nearest = did_you_mean(name, names);
     node.fail(
         "what a step can switch in this scene (load.NAME, fix.NAME, collider.NAME, "
-        "collider.NAME.friction, contact.friction, gravity)",
+        "collider.NAME.friction, contact.friction, contact.BODY/BODY, gravity)",
         nearest.empty() ? "there are " + (names.empty() ? "none" : join(names)) : nearest);
   }
   return found->second;
@@ -177,6 +205,26 @@ void switch_support(const SceneNode& node, const std::string& name, bool is_on, 
   entry.is_on = is_on;
 }
 
+/// A contact pair acts from the start, unless the first step that names it activates it.
+void switch_pair(const SceneNode& node, const std::string& name, bool is_on, const StepTimes& times,
+                 SwitchedByName& all, Description& d) {
+  const std::array<std::string, 2> bodies = all[name].pair;
+  Switched& entry = all["contact." + std::min(bodies[0], bodies[1]) + "/" + std::max(bodies[0], bodies[1])];
+  ContactPairDescription& pair = find_pair(d, bodies, node.path);
+  if (!entry.is_named) pair.is_enabled = entry.is_on = !is_on;
+  entry.is_named = true;
+  if (entry.is_on == is_on)
+    node.fail_with("\"" + name + "\" is " + (is_on ? "" : "not ") + "active " + (is_on ? "already" : "here") +
+                   "; leave it out" + (is_on ? " here" : ""));
+  entry.is_on = is_on;
+  if (!pair.switches.empty() && pair.switches.back() == times.begin)
+    node.fail_with("\"" + name + "\" is twice in one step");
+  if (times.begin > 0)
+    pair.switches.push_back(times.begin);
+  else
+    pair.is_enabled = is_on;
+}
+
 void switch_other(const SceneNode& node, const std::string& name, bool is_on, const StepTimes& times,
                   Switched& entry) {
   if (is_on && entry.is_on) node.fail_with("\"" + name + "\" is active already; leave it out here");
@@ -190,14 +238,19 @@ void switch_other(const SceneNode& node, const std::string& name, bool is_on, co
 
 /// Applies `activate` or `deactivate` of one step.
 void switch_all(const SceneNode& step, const char* key, const std::vector<std::string>& names,
-                const StepTimes& times, SwitchedByName& all, std::set<std::string>& in_this_step) {
+                const StepTimes& times, SwitchedByName& all, std::set<std::string>& in_this_step,
+                Description& d) {
   const bool is_on = std::string_view(key) == "activate";
   for (std::size_t i = 0; i < names.size(); ++i) {
     const SceneNode node = step.child(key).element(i);
-    Switched& entry = find_switched(node, names[i], all);
+    Switched& entry = find_switched(node, names[i], d, all);
     if (!entry.refusal.empty() && (is_on || entry.fix == nullptr))
       node.fail_with("\"" + names[i] + "\": " + entry.refusal);
     if (!in_this_step.insert(names[i]).second) node.fail_with("\"" + names[i] + "\" is twice in one step");
+    if (!entry.pair[0].empty()) {
+      switch_pair(node, names[i], is_on, times, all, d);
+      continue;
+    }
     entry.fix != nullptr ? switch_support(node, names[i], is_on, times, entry)
                          : switch_other(node, names[i], is_on, times, entry);
     entry.is_named = true;
@@ -236,8 +289,8 @@ void read_steps(const SceneNode& root, Description& d) {
     if (i == 0) first_end = end;
     std::set<std::string> in_this_step;
     const StepTimes times{.begin = begin, .end = end, .first_end = first_end, .is_dynamic = d.is_dynamic};
-    switch_all(node, "activate", step.activate, times, all, in_this_step);
-    switch_all(node, "deactivate", step.deactivate, times, all, in_this_step);
+    switch_all(node, "activate", step.activate, times, all, in_this_step, d);
+    switch_all(node, "deactivate", step.deactivate, times, all, in_this_step, d);
     d.steps.push_back({.place = node.path, .name = step.name, .end = end});
     begin = end;
   }

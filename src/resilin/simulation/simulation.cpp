@@ -130,9 +130,9 @@ int Simulation::expected_steps() const {
   return LoadControl::expected_steps(world_, state_);
 }
 
-void Simulation::switch_supports_now() {
+std::string Simulation::switch_supports_now() {
   const int phase = phase_at(world_, state_.time);
-  if (phase <= state_.phase) return;
+  if (phase <= state_.phase) return "";
   VectorX gradient;
   if (!world_.is_dynamic) {
     const Potential potential = Potential::at(world_, state_);
@@ -141,24 +141,36 @@ void Simulation::switch_supports_now() {
     // Forces that are only rounding could not fade: a search would have no digits to balance them.
     drop_rounding(world_, potential, state_.positions, gradient);
   }
-  const auto kinetic_energy = [this] {
+  const auto energy = [this] {
     VectorX momentum;
     world_.mass->multiply(state_.velocities, momentum);
-    return world_.share.sum(0.5 * momentum.dot(state_.velocities));
+    const bool has_layers = world_.is_dynamic && !world_.contact_of_phases.empty();
+    return world_.share.sum(0.5 * momentum.dot(state_.velocities)) +
+           (has_layers ? world_.contact->value(state_.positions, conditions_of(state_)) : 0);
   };
-  const double before = kinetic_energy();
-  switch_supports(world_, state_, phase, gradient);
-  state_.dissipated_energy += before - kinetic_energy();  // a support that takes hold stops its vertices
+  const double before = energy();
+  const std::string overlap = switch_supports(world_, state_, phase, gradient);
+  if (!overlap.empty())
+    return "contact cannot begin in the step after \"" + step_name_at(world_, state_.time) +
+           "\": " + overlap + "; bring them apart in a step before";
+  // A support that takes hold stops its vertices; contact that ends drops the energy of its layers.
+  state_.dissipated_energy += before - energy();
   if (world_.is_dynamic && state_.accelerations.size() > 0)
     state_.accelerations = accelerations_from(world_, state_, world_.time_step);
+  return "";
 }
 
 StepReport Simulation::step(const NewtonObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
-  switch_supports_now();
+  StepReport report;
+  report.reason = switch_supports_now();
+  if (!report.reason.empty()) {
+    report.status = StepReport::Status::not_converged;
+    report.has_solution = false;
+    return report;
+  }
   const int step_before = state_.step;
   VectorX gradient;
-  StepReport report;
   if (time_stepper_) {
     report = time_stepper_->step(world_, newton_, state_, gradient, observer);
   } else if (load_control_ && !shows_modes()) {

@@ -79,7 +79,8 @@ class Simulation {
   StepReport step_to_next_mode(const NewtonObserver& observer);
   void measure(const VectorX* step_gradient);
   /// Releases and activates supports that a step of the scene begins with.
-  void switch_supports_now();
+  /// @return  why the run cannot go on, in words; empty: it can
+  std::string switch_supports_now();
   void note_failure(const std::string& reason);
 
   World world_;

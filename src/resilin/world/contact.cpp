@@ -26,12 +26,40 @@ Index body_called(const World& world, const std::string& name, const std::string
   return static_cast<Index>(find_body(world, name, place + ".bodies"));
 }
 
-BodyMeetings meetings_of(const ContactDescription& description, const World& world) {
+/// Whether contact of a pair acts in a phase.
+bool acts_in(const ContactPairDescription& pair, const World& world, std::size_t phase) {
+  const auto past = phase == 0 ? pair.switches.begin()
+                               : std::ranges::upper_bound(pair.switches, world.switch_times[phase - 1]);
+  return pair.is_enabled == ((past - pair.switches.begin()) % 2 == 0);
+}
+
+BodyMeetings meetings_in(const ContactDescription& description, const World& world, std::size_t phase) {
   BodyMeetings meetings(static_cast<Index>(world.bodies.size()), description.with_themselves);
   for (const ContactPairDescription& pair : description.pairs)
     meetings.set(body_called(world, pair.bodies[0], pair.place),
-                 body_called(world, pair.bodies[1], pair.place), pair.is_enabled);
+                 body_called(world, pair.bodies[1], pair.place), acts_in(pair, world, phase));
   return meetings;
+}
+
+/// Meetings by phase: one, unless steps switch contact pairs.
+std::vector<BodyMeetings> meetings_of(const ContactDescription& description, const World& world) {
+  const bool is_switched =
+      std::ranges::any_of(description.pairs, [](const auto& pair) { return !pair.switches.empty(); });
+  const std::size_t num_phases = is_switched ? world.switch_times.size() + 1 : 1;
+  std::vector<BodyMeetings> all;
+  for (std::size_t phase = 0; phase < num_phases; ++phase)
+    all.push_back(meetings_in(description, world, phase));
+  return all;
+}
+
+/// Bodies that meet in any phase.
+BodyMeetings meetings_in_any(const std::vector<BodyMeetings>& phases) {
+  BodyMeetings any = phases.front();
+  for (const BodyMeetings& meetings : phases)
+    for (Index a = 0; a < any.num_bodies(); ++a)
+      for (Index b = 0; b <= a; ++b)
+        if (meetings.meet(a, b)) any.set(a, b, true);
+  return any;
 }
 
 bool any_meet(const BodyMeetings& meetings) {
@@ -182,7 +210,9 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
   if (description.activation_distance)
     require_positive(*description.activation_distance, description.place + ".activation_distance");
   if (description.stiffness) require_positive(*description.stiffness, description.place + ".stiffness");
-  const BodyMeetings meetings = meetings_of(description, world);
+  world.contact_of_phases.clear();
+  const std::vector<BodyMeetings> phases = meetings_of(description, world);
+  const BodyMeetings meetings = meetings_in_any(phases);
   std::vector<double> friction = friction_of(description, world);
   if (!description.is_enabled || !any_meet(meetings) || world.modes) return nullptr;
   std::vector<ContactBody> bodies = contact_bodies(world, description.stiffness);
@@ -204,14 +234,64 @@ std::shared_ptr<const SurfaceContact> make_contact(const ContactDescription& des
                        format_number(distance), "leave it out for an automatic choice");
     distance = std::min(distance, share_of_gap * gap);
   }
-  auto contact =
-      std::make_shared<SurfaceContact>("contact", surface, meetings, distance, world.start_positions);
-  contact->set_friction(std::move(friction));
+  std::shared_ptr<SurfaceContact> contact;
+  for (const BodyMeetings& of_phase : phases) {
+    auto next =
+        std::make_shared<SurfaceContact>("contact", surface, of_phase, distance, world.start_positions);
+    if (!friction.empty()) next->set_friction(friction);
+    if (!contact) contact = next;
+    if (phases.size() > 1) world.contact_of_phases.push_back(std::move(next));
+  }
   const StartCheck start(*contact, world, description.place);
   start.check_overlaps();
   start.check_crossings();
   start.check_gap();
   return contact;
+}
+
+void use_contact(World& world, const std::shared_ptr<const SurfaceContact>& contact) {
+  if (contact == world.contact) return;
+  world.terms[world.find_term({TermOrigin::Kind::contact}).value()] = contact;
+  if (world.friction) {
+    std::vector<std::shared_ptr<const FrictionSource>> sources = world.friction->sources();
+    std::ranges::replace(sources, std::shared_ptr<const FrictionSource>(world.contact),
+                         std::shared_ptr<const FrictionSource>(contact));
+    world.friction = std::make_shared<Friction>(world.dimension, std::move(sources), world.friction->speed(),
+                                                world.friction->factors());
+    world.terms[world.find_term({TermOrigin::Kind::friction}).value()] = world.friction;
+  }
+  world.contact = contact;
+}
+
+std::string overlap_of_begun_contact(const World& world, const SurfaceContact& before,
+                                     const VectorX& positions) {
+  const SurfaceContact& contact = *world.contact;
+  const CollisionSurface& parts = contact.surface().parts;
+  const auto begins = [&](Index a, Index b) {
+    return contact.meetings().meet(a, b) && !before.meetings().meet(a, b);
+  };
+  for (const BodyOverlap& overlap : overlapping_bodies(world, positions, &contact))
+    if (begins(static_cast<Index>(overlap.body), static_cast<Index>(overlap.other)))
+      return describe(world, overlap);
+  BodyMeetings begun(contact.meetings().num_bodies());
+  for (Index a = 0; a < begun.num_bodies(); ++a)
+    for (Index b = 0; b <= a; ++b) begun.set(a, b, begins(a, b));
+  const VectorX places = contact.surface().places(positions);
+  const auto told = [&](Index vertex, Index other, const char* what) {
+    return both(world, parts.bodies[static_cast<std::size_t>(vertex)],
+                parts.bodies[static_cast<std::size_t>(other)]) +
+           what + world.place_text(vertex, places);
+  };
+  if (const auto crossing = first_crossing(parts, begun, places)) {
+    const auto [vertex, other] = vertices_of(*crossing, parts);
+    return told(vertex, other, " penetrate each other near ");
+  }
+  const SurfaceContact of_begun("contact", contact.surface(), begun, contact.activation_distance(),
+                                positions);
+  if (!of_begun.touches(positions)) return "";
+  const SurfaceContact::Gap nearest = of_begun.smallest_gap(positions);
+  return told(nearest.vertices[0], nearest.vertices[static_cast<std::size_t>(num_first(nearest.kind))],
+              " touch near ");
 }
 
 void change_contact(World& world, const ContactDescription& description) {

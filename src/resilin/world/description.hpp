@@ -263,6 +263,8 @@ struct ContactPairDescription {
   std::array<std::string, 2> bodies;
   bool is_enabled = true;
   std::optional<double> friction;  ///< Coulomb friction coefficient; default that of all bodies
+  /// When the steps of a scene end its contact and let it begin again, in turn, rising [s].
+  std::vector<double> switches{};
 };
 
 /// Contact between bodies and self-contact.

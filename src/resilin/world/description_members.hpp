@@ -38,7 +38,7 @@ RESILIN_MEMBERS(ShapeDescription, point, normal, center, radius, size, start, en
 RESILIN_MEMBERS(ColliderTurn, axis, center, degrees, degrees_per_second)
 RESILIN_MEMBERS(ColliderDescription, place, name, kind, shape, velocity, until, displacement, time_function,
                 rotate, activation_distance, stiffness, friction, friction_factor)
-RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled, friction)
+RESILIN_MEMBERS(ContactPairDescription, place, bodies, is_enabled, friction, switches)
 RESILIN_MEMBERS(ContactDescription, place, is_enabled, with_themselves, activation_distance, stiffness,
                 friction, friction_speed, friction_factor, friction_iterations, pairs)
 RESILIN_MEMBERS(TiedSurface, place, body, where)

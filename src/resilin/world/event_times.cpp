@@ -9,6 +9,12 @@
 
 namespace resilin {
 
+bool has_phases(const Description& description) {
+  const auto is_switched = [](const auto& entry) { return !entry.switches.empty(); };
+  return std::ranges::any_of(description.fixes, is_switched) ||
+         std::ranges::any_of(description.contact.pairs, is_switched);
+}
+
 bool follows_time(const Description& description) {
   const auto moves = [](const ColliderDescription& collider) {
     return !motion_of(collider, /*end_time=*/1).is_at_rest();
@@ -26,11 +32,9 @@ bool follows_time(const Description& description) {
   const auto rubs_at_times = [](const ColliderDescription& collider) {
     return !collider.friction_factor.is_constant();
   };
-  const auto is_switched = [](const FixDescription& fix) { return !fix.switches.empty(); };
   const auto is_windowed = [](const LoadDescription& load) { return load.from > 0 || load.until; };
-  return std::ranges::any_of(description.fixes, varies) ||
-         std::ranges::any_of(description.fixes, is_switched) || !description.gravity_function.is_constant() ||
-         !description.contact.friction_factor.is_constant() ||
+  return std::ranges::any_of(description.fixes, varies) || has_phases(description) ||
+         !description.gravity_function.is_constant() || !description.contact.friction_factor.is_constant() ||
          std::ranges::any_of(description.colliders, rubs_at_times) ||
          std::ranges::any_of(description.constraints, follows) ||
          std::ranges::any_of(description.joints, has_motor) ||
@@ -48,13 +52,15 @@ std::vector<double> event_times(const Description& description) {
     times.insert(times.end(), kinks.begin(), kinks.end());
     if (entry.until) times.push_back(*entry.until);
   };
-  bool is_released = false;
+  const auto add_switches = [&times](const auto& entry) {
+    times.insert(times.end(), entry.switches.begin(), entry.switches.end());
+  };
   for (const FixDescription& fix : description.fixes) {
     add(fix);
-    times.insert(times.end(), fix.switches.begin(), fix.switches.end());
-    is_released = is_released || !fix.switches.empty();
+    add_switches(fix);
   }
-  if (is_released)
+  std::ranges::for_each(description.contact.pairs, add_switches);
+  if (has_phases(description))
     for (const StepDescription& step : description.steps) times.push_back(step.end);
   const auto add_kinks = [&times](const TimeFunction& function) {
     const std::vector<double> kinks = function.kinks();

@@ -10,6 +10,9 @@ namespace resilin {
 /// Whether anything that a scene says follows time: functions, windows, velocities.
 bool follows_time(const Description& description);
 
+/// Whether a step of the scene releases a support or switches a contact pair (support_phase.hpp).
+bool has_phases(const Description& description);
+
 /// Times at which loads and prescribed motions begin, end or have a kink, rising [s].
 std::vector<double> event_times(const Description& description);
 

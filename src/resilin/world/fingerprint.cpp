@@ -147,9 +147,10 @@ std::string text(const Where& where) {
 }
 
 std::string text(const ContactPairDescription& pair) {
-  const auto& [place, bodies, is_enabled, friction] = pair;
+  const auto& [place, bodies, is_enabled, friction, switches] = pair;
   return text(bodies[0]) + " and " + text(bodies[1]) + (is_enabled ? " meet" : " pass") +
-         (friction ? ", friction " + text(*friction) : "");
+         (friction ? ", friction " + text(*friction) : "") +
+         (switches.empty() ? "" : ", switched at " + list_text(switches));
 }
 
 template <class T>
@@ -225,9 +226,8 @@ bool is_seen(const Description& description, std::string_view member) {
                          "sections", "output", "end_time"}))
     return false;
   if (member == "gravity_function") return !description.gravity_function.is_constant();
-  // A support that is released lets its force fade until the step ends.
-  if (member == "steps")
-    return std::ranges::any_of(description.fixes, [](const auto& fix) { return !fix.switches.empty(); });
+  // Forces of a support or a contact pair that a step releases fade until the step ends.
+  if (member == "steps") return has_phases(description);
   if (is_one_of(member, {"time_step", "integrator", "adaptive"})) return description.is_dynamic;
   if (is_one_of(member, {"load_steps", "load_control"})) return !description.is_dynamic;
   return true;

@@ -7,6 +7,8 @@
 #include "resilin/core/text.hpp"
 #include "resilin/energy/dead_load.hpp"
 #include "resilin/world/axisymmetry.hpp"
+#include "resilin/world/contact.hpp"
+#include "resilin/world/friction.hpp"
 #include "resilin/world/rigid_region.hpp"
 
 namespace resilin {
@@ -21,6 +23,15 @@ std::vector<std::int32_t> owners_in(World& world, int phase) {
   for (Support& support : world.supports)
     support.holds = phase == 0 || support.holds_after(begin_of(world, phase));
   return supports_of_unknowns(world.dimension, world.num_nodes(), world.supports);
+}
+
+/// dE/dx of contact between bodies and of friction [N].
+VectorX contact_gradient(const World& world, const State& state) {
+  VectorX gradient = VectorX::Zero(state.positions.size());
+  if (world.contact_of_phases.empty()) return gradient;
+  world.contact->add_gradient(state.positions, conditions_of(state), gradient);
+  add_friction_forces(world, state, gradient);
+  return gradient;
 }
 
 /// The step that begins with a phase; null: none does.
@@ -51,8 +62,10 @@ void renew_fading_forces(World& world, int phase, const VectorX& forces) {
 
 }  // namespace
 
-std::vector<double> switch_times(const std::vector<Support>& supports) {
+std::vector<double> switch_times(const std::vector<Support>& supports, const ContactDescription& contact) {
   std::set<double> times;
+  for (const ContactPairDescription& pair : contact.pairs)
+    times.insert(pair.switches.begin(), pair.switches.end());
   for (const Support& support : supports) times.insert(support.switches.begin(), support.switches.end());
   return {times.begin(), times.end()};
 }
@@ -74,22 +87,38 @@ void enter_phase(World& world, int phase, const VectorX& forces, const VectorX& 
   }
   world.support_places = places;
   renew_fading_forces(world, phase, forces);
+  if (!world.contact_of_phases.empty())
+    use_contact(world, world.contact_of_phases[static_cast<std::size_t>(phase)]);
 }
 
-void switch_supports(World& world, State& state, int phase, const VectorX& gradient) {
+std::string switch_supports(World& world, State& state, int phase, const VectorX& gradient) {
   while (state.phase < phase) {
     const std::vector<std::int32_t> before = world.support_of;
+    const std::shared_ptr<const SurfaceContact> contact = world.contact;
+    const VectorX touch = gradient.size() > 0 ? contact_gradient(world, state) : VectorX();
     ++state.phase;
     enter_phase(world, state.phase, {}, state.support_places);
     VectorX& forces = state.released_forces;
+    if (world.contact != contact) {
+      const std::string overlap = overlap_of_begun_contact(world, *contact, state.positions);
+      if (!overlap.empty()) {
+        enter_phase(world, --state.phase, forces, state.support_places);
+        return overlap;
+      }
+    }
     forces.resize(0);
+    if (world.contact != contact) {
+      // The change of contact forces is taken up, and fades.
+      if (gradient.size() > 0) forces = contact_gradient(world, state) - touch;
+      if (forces.isZero(0)) forces.resize(0);
+    }
     for (std::size_t i = 0; i < before.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       const std::int32_t owner = world.support_of[i];
       if (owner < 0) {
         if (before[i] < 0 || world.is_fixed[i] != 0 || gradient.size() == 0) continue;
         if (forces.size() == 0) forces = VectorX::Zero(gradient.size());
-        forces[k] = gradient[k];
+        forces[k] += gradient[k];
         continue;
       }
       if (owner == before[i]) continue;
@@ -105,6 +134,7 @@ void switch_supports(World& world, State& state, int phase, const VectorX& gradi
       state.support_places = world.rest_positions;
     enter_phase(world, state.phase, forces, state.support_places);
   }
+  return "";
 }
 
 void check_releases(const Description& description, World& world) {
@@ -150,6 +180,10 @@ void refuse_releases(const Description& description, const std::string& asked_fo
     if (!fix.switches.empty())
       throw InputError(fix.place, "a support that holds in all steps, for " + asked_for,
                        "one that a step releases", "leave the release out");
+  for (const ContactPairDescription& pair : description.contact.pairs)
+    if (!pair.switches.empty())
+      throw InputError(pair.place, "a contact pair that is the same in all steps, for " + asked_for,
+                       "one that a step switches", "leave it out of the steps");
 }
 
 }  // namespace resilin

@@ -161,7 +161,7 @@ void Builder::build() {
   if (part_ == nullptr) check_start(description_, world_);
   for (std::size_t i = 0; i < description_.fixes.size(); ++i) add_support(i);
   check_support_conflicts(world_.dimension, world_.supports, world_.rest_positions);
-  world_.switch_times = switch_times(world_.supports);
+  world_.switch_times = switch_times(world_.supports, description_.contact);
   for (std::size_t i = 0; i < description_.loads.size(); ++i) add_load(i);
   for (std::size_t i = 0; i < description_.probes.size(); ++i) add_probe(i);
   for (const SectionDescription& section : description_.sections) add_section(section);

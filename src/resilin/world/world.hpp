@@ -166,12 +166,14 @@ class World {
   std::vector<std::shared_ptr<const ColliderBarrier>> colliders;       ///< colliders with an exact distance
   std::vector<std::shared_ptr<const ObstacleContact>> mesh_colliders;  ///< those of facets
   std::shared_ptr<const SurfaceContact> contact;  ///< one of `terms`; null without contact between bodies
-  std::shared_ptr<const Friction> friction;       ///< likewise; null without friction
+  /// Contact by phase (support_phase.hpp); empty where no step switches a contact pair.
+  std::vector<std::shared_ptr<const SurfaceContact>> contact_of_phases;
+  std::shared_ptr<const Friction> friction;  ///< one of `terms`; null without friction
   std::shared_ptr<const BlockPattern> pattern;
   std::vector<std::uint8_t> is_fixed;    ///< per DOF: prescribed, or of a vertex that no cell uses
   std::vector<std::int32_t> support_of;  ///< per DOF: index of its boundary condition; -1: none
-  std::vector<double> switch_times;      ///< see support_phase.hpp; empty: all supports always hold [s]
-  // Empty where no step releases a support:
+  std::vector<double> switch_times;      ///< see support_phase.hpp; empty: there is one phase [s]
+  // Empty where no step releases a support or switches a contact pair:
   std::vector<std::uint8_t> is_fixed_otherwise;  ///< per DOF: fixed without supports
   std::vector<std::int32_t> released_from;       ///< per DOF: the support that is letting go of it; -1: none
   VectorX support_places;                        ///< see held_from
