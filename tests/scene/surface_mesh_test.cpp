@@ -242,15 +242,19 @@ TEST(SizeOfCells, TakesThePlaceOfTheirNumber) {
 
 TEST_F(SurfaceMesh, IsCurvedForQuadraticElementsAlone) {
   write_ball();
-  const auto mesh_of = [&](const std::string& element) {
-    return read_scene_from_text("[[body]]\nmesh = \"ball.stl\"\nelement = \"" + element + "\"\n", "a.toml",
-                                folder.path(), {})
+  const auto mesh_of = [&](const std::string& element, const std::string& more = "") {
+    return read_scene_from_text("[[body]]\nmesh = \"ball.stl\"\nelement = \"" + element + "\"\n" + more,
+                                "a.toml", folder.path(), {})
         .description.bodies[0]
         .mesh;
   };
   for (const char* element : {"P2", "P2P0", "auto"})
     EXPECT_EQ(mesh_of(element).blocks[0].kind, CellKind::tetrahedron10) << element;
   EXPECT_EQ(mesh_of("P1").blocks[0].kind, CellKind::tetrahedron);
+  // A rigid body has straight cells of the ball's mass.
+  const Mesh rigid = mesh_of("auto", "rigid = { density = 1000 }\n");
+  EXPECT_EQ(rigid.blocks[0].kind, CellKind::tetrahedron);
+  EXPECT_NEAR(exact_volume(rigid, rigid.blocks[0]), volume_of_ball, 1e-2 * volume_of_ball);
   const Mesh mesh = mesh_of("P2");
   EXPECT_NEAR(exact_volume(mesh, mesh.blocks[0]), volume_of_ball, 2e-3 * volume_of_ball);
 }

@@ -139,6 +139,30 @@ TEST_P(CoupledDerivativesOfEveryIntegrator, AreRightForJointsAndRigidBodies) {
   expect_right_derivatives(scene);
 }
 
+/// The barrier of a rigid body follows the softest material that it meets, as that of a deformable one.
+TEST(DerivativesOfJointsAndRigidBodies, AreRightInContact) {
+  Description scene = short_bar(2, false);
+  BodyDescription anvil;
+  anvil.name = "anvil";
+  anvil.mesh = make_rectangle({0.3, 0.1}, {1, 1});
+  anvil.translate = {0.3, -0.125, 0};
+  anvil.rigid = RigidDescription{.density = 300, .stiffness = 1e7};
+  scene.bodies.push_back(anvil);
+  scene.fixes.front().body = "body";
+  for (LoadDescription& load : scene.loads) load.body = "body";
+  FixDescription fix;
+  fix.body = "anvil";
+  fix.where.kind = Where::Kind::box;
+  fix.where.min = {-1, -1, -1};
+  fix.where.max = {1, 1, 1};
+  scene.fixes.push_back(fix);
+  scene.contact.is_enabled = true;
+  scene.contact.activation_distance = 0.01;
+  const Simulation simulation = run_all(scene);
+  ASSERT_GT(simulation.frame().contact_energy, 0);
+  expect_right_derivatives(scene);
+}
+
 /// Whatever follows a prescribed face moves with it, and the reactions of both are felt there.
 TEST(DerivativesOfConstraints, AreRight) {
   for (const bool is_dynamic : {false, true}) {

@@ -34,7 +34,9 @@ void FakeServedScene::apply(const SceneMessage& message) {
                  [this](const Release&) { is_grabbed_ = false; },
                  [this](const Poke&) { is_poking_ = true; },
                  [this](const PokeEnd&) { is_poking_ = false; },
-                 [this](const SetControl& set) { set_value(*set.control, set.value, controls_); },
+                 [this](const SetControl& set) {
+                   if (set.control != nullptr) set_value(*set.control, set.value, controls_);
+                 },
                  [&](const Reset&) { start_anew(); },
                  [&](const Reload&) {
                    if (switches_->breaks_on_reload) throw InputError("fake.toml", "the scene is broken");

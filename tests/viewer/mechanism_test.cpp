@@ -272,6 +272,25 @@ TEST(Mechanism, RefusesValuesThatCannotBe) {
   EXPECT_FALSE(scene.drives()[0].is_driven);
 }
 
+TEST(Mechanism, RefusesRigidRegions) {
+  const std::string text = R"([simulation]
+kind = "dynamic"
+dimension = 2
+time_step = 0.01
+end_time = 1
+[[body]]
+name = "bar"
+mesh = { box = { size = [0.2, 0.02], cells = [4, 1] } }
+material = { law = "neo_hookean", youngs_modulus = 1e5, poissons_ratio = 0.3, density = 1000 }
+[[body.region]]
+name = "plate"
+where = { box = [[0.1, -1], [1, 1]] }
+rigid = { density = 2700 }
+)";
+  EXPECT_THAT([&] { live_of(text); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("without rigid regions")));
+}
+
 TEST(Mechanism, ARigidBodyIsGrabbedWhereItIsTouchedAndKeepsItsShape) {
   LiveScene scene = live_of(pendulum(""));
   const ShownSurface surface(scene.world());

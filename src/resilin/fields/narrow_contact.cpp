@@ -57,7 +57,7 @@ std::vector<bool> have_narrow_contact(const World& world, const State& state) {
   const std::vector<char> is_met = nodes_in_contact(world, state);
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
-    if (body.rigid) continue;
+    if (body.rigid || body.meets_with_skin()) continue;  // points of a skin lie between the nodes
     for (const Domain& domain : body.domains) domain.energy->add_gradient(x, conditions, elastic);
     double all = 0, at_nodes = 0, of_strain = 0;
     int num_met = 0;

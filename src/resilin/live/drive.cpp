@@ -41,11 +41,11 @@ double round_up(double x) {
   return 10 * power;
 }
 
-Drive::Kind kind_of(const JointDescription& joint) {
+Drive::Kind kind_of(JointKind joint, const MotorDescription& motor) {
   using enum Drive::Kind;
-  const bool is_hinge = joint.kind == JointKind::hinge;
-  if (joint.motor->effort) return is_hinge ? torque : force;
-  if (joint.motor->velocity) return is_hinge ? angular_velocity : velocity;
+  const bool is_hinge = joint == JointKind::hinge;
+  if (motor.effort) return is_hinge ? torque : force;
+  if (motor.velocity) return is_hinge ? angular_velocity : velocity;
   return is_hinge ? angle : displacement;
 }
 
@@ -146,7 +146,10 @@ Drives::Drives(const Description& description, const World& world) {
     const JointDescription& joint = description.joints[i];
     if (!joint.motor) continue;
     const MotorDescription& motor = *joint.motor;
-    Drive drive{.key = free_key(joint.name, taken), .name = joint.name, .kind = kind_of(joint), .number = i};
+    Drive drive{.key = free_key(joint.name, taken),
+                .name = joint.name,
+                .kind = kind_of(joint.kind, motor),
+                .number = i};
     Source source{.amplitude = motor.effort.value_or(motor.velocity.value_or(motor.position)),
                   .function = motor.time_function,
                   .motor = motor,
@@ -168,7 +171,7 @@ Drives::Drives(const Description& description, const World& world) {
     const double peak = std::abs(source.amplitude) * peak_of(source.function);
     source.cable.rest_length = cable.rest_length.value_or(length);
     source.cable.time_function = always();
-    const double usual = cable.tension ? 1 : least_of_cable * length;
+    const double usual = cable.tension ? 1 : least_of_cable * (length > 0 ? length : world.largest_extent());
     drive.greatest = round_up(peak > 0 ? 2 * peak : usual);
     drive.least = source.amplitude < 0 ? -drive.greatest : 0;
     all_.push_back(std::move(drive));
@@ -283,7 +286,7 @@ void Drives::put_into(const Drive& drive, Source& source, World& world) const {
     description.shortening = drive.value;
   const Cable& old = *world.cables[source.in_world];
   const std::shared_ptr<const Cable> cable =
-      make_cable(description, world.dimension, old.path().points(), *description.rest_length);
+      make_cable(description, world.dimension, old.path().points(), old.length(world.rest_positions));
   replace({TermOrigin::Kind::cable, drive.number}, cable);
   if (const auto& friction = world.cable_frictions[source.in_world])
     replace({TermOrigin::Kind::cable, drive.number, 1},

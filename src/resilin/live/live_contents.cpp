@@ -19,6 +19,7 @@
 #include "resilin/world/event_times.hpp"
 #include "resilin/world/friction.hpp"
 #include "resilin/world/loads.hpp"
+#include "resilin/world/rigid_region.hpp"
 #include "resilin/world/rigid_shape.hpp"
 #include "resilin/world/support_phase.hpp"
 
@@ -44,12 +45,16 @@ void keep_rigid_stiffness(Description& description) {
   std::vector<std::string> warnings;  // the world has them, too
   const RigidBodies rigid = with_control_nodes(as_played, warnings);
   for (std::size_t b = 0; b < description.bodies.size(); ++b)
-    if (rigid.shapes[b]) description.bodies[b].rigid->stiffness = rigid.shapes[b]->modulus;
+    if (std::optional<RigidDescription>& given = description.bodies[b].rigid; given && rigid.shapes[b])
+      given->stiffness = rigid.shapes[b]->modulus;
 }
 
 /// The scene as it is played with: in motion, with a gravity that can be changed.
 Description in_motion(Description description) {
   refuse_releases(description, "a live run");
+  if (const std::string place = place_of_rigid_region(description); !place.empty())
+    throw InputError(place, "a scene without rigid regions for a live run", "one",
+                     "give the region a stiff material, or compute the scene with resilin run");
   keep_rigid_stiffness(description);
   description.is_dynamic = true;
   description.time_step =

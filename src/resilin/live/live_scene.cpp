@@ -70,10 +70,13 @@ void LiveScene::pin(Index node, const std::optional<MaterialPoint>& place) {
   if (node < 0 || node >= contents_->world.num_nodes())
     throw InputError("pin", "a node from 0 to " + std::to_string(contents_->world.num_nodes() - 1),
                      std::to_string(node));
-  if (std::ranges::find(pinned, node) != pinned.end()) return;
-  pinned.push_back(node);
+  // Points of a rigid body far apart may have the same node: the newest one is held.
+  const bool is_new = std::ranges::find(pinned, node) == pinned.end();
+  const bool is_of_rigid_body = contents_->world.body_of(node).rigid != nullptr;
+  if (!is_new && !is_of_rigid_body) return;
+  if (is_new) pinned.push_back(node);
   const int dim = contents_->world.dimension;
-  if (contents_->world.body_of(node).rigid)
+  if (is_of_rigid_body)
     contents_->pinned_points[node] = hand_patch(contents_->world, place.value_or(MaterialPoint{{node}, {1}}));
   else
     contents_->state.velocities.segment(Eigen::Index{node} * dim, dim).setZero();

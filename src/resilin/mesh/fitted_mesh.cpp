@@ -63,6 +63,10 @@ class FittedMaker {
     places_.expect_points(inside_distance * size);
     FittedDraft draft(places_, size, min_size_);
     relax(draft);
+    if (draft.cells().size() > static_cast<std::size_t>(FittedMeshOptions::most_cells))
+      throw InputError(
+          name_, "a min_size that makes at most " + std::to_string(FittedMeshOptions::most_cells) + " cells",
+          format_short(min_size_) + ", which makes " + std::to_string(draft.cells().size()));
     return finish(draft);
   }
 

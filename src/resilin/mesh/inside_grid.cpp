@@ -11,7 +11,7 @@ namespace {
 constexpr double piece = 0.7;       // longest edge of the pieces that are marked by their boxes, in voxels
 constexpr double clearance = 1e-6;  // boxes of triangles are enlarged by it, in voxels
 constexpr double hole_radii = 2;    // from the middle of a hole to voxels whose side is remembered
-constexpr double rim = 1.5;         // free voxels around the surface
+constexpr double free_rim = 1.5;    // free voxels around the surface
 constexpr double growth = 1.1;      // growth of voxels that are too many
 
 }  // namespace
@@ -22,11 +22,13 @@ InsideGrid::InsideGrid(const SolidSurface& surface, double voxel_size,
   const Mesh& mesh = surface.mesh;
   const CellBlock& triangles = surface.triangles();
   const BoundingBox box = bounding_box(mesh);
-  const auto count = [&](int axis) { return std::ceil((box.max[axis] - box.min[axis]) / size_ + 2 * rim); };
+  const auto count = [&](int axis) {
+    return std::ceil((box.max[axis] - box.min[axis]) / size_ + 2 * free_rim);
+  };
   while (count(0) * count(1) * count(2) > static_cast<double>(most_voxels)) size_ *= growth;
   for (int axis = 0; axis < 3; ++axis)
     counts_[static_cast<std::size_t>(axis)] = static_cast<int>(count(axis));
-  low_ = box.min - Vector3::Constant(rim * size_);
+  low_ = box.min - Vector3::Constant(free_rim * size_);
   voxels_.assign(number(0, 0, counts_[2]), Voxel::unseen);
 
   std::vector<Corners> pieces;

@@ -55,6 +55,7 @@ std::vector<double> in_order_of_bodies(const std::vector<double>& values, int co
   std::vector<double> result(static_cast<std::size_t>(begin.back()));
   auto from = values.begin();
   for (const std::size_t b : order) {
+    if (num_shown_cells(world.bodies[b]) == 0) continue;  // a rigid region: its cells are those of its body
     std::copy_n(from, begin[b + 1] - begin[b], result.begin() + begin[b]);
     from += components * num_shown_cells(world.bodies[b]);
   }

@@ -29,8 +29,7 @@ struct LineValues {
 /// @param field   "contact_pressure", "displacement.z", "nodal_von_mises", ...
 /// @param frame   its number, -1 for the last; none: all
 /// @throws InputError  for a folder without them, a field that has no value at vertices, an unknown body, a
-/// line
-///                     of another dimension
+///                     line of another dimension
 LineValues values_along(const std::filesystem::path& folder, const SurfaceLine& line,
                         const std::string& field, std::optional<int> frame = std::nullopt);
 

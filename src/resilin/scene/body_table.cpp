@@ -71,15 +71,15 @@ Keys<BodyDescription> body_keys() {
               "Quadrature rule, one of those of the [element](#element); exact integrates smooth energies up "
               "to round-off."},
              [](const SceneNode& node, B& b) { b.quadrature = read_choice(node, quadrature_names()); }),
+      key<B>({"rigid", "true, false or [rigid](#rigid)", "", "false",
+              "Keeps the shape of its mesh; in place of material."},
+             [](const SceneNode& node, B& b) { read_rigid(node, b.rigid); }),
       key<B>({"mesh", "text or [table](#mesh)", "", "required",
               "A mesh file beside the scene, `{ box = { size, cells } }` or `{ surface = FILE, cells = "
               "NUMBER }`; cells then enclose the surface, which becomes an embedded skin."},
              read_body_mesh),
       key<B>({"material", "[material](#material)", "", "see there", "Constitutive model and density."},
              [](const SceneNode& node, B& b) { read_material(node, b.mesh, b.material); }),
-      key<B>({"rigid", "true, false or [rigid](#rigid)", "", "false",
-              "Keeps the shape of its mesh; in place of material."},
-             [](const SceneNode& node, B& b) { read_rigid(node, b.rigid); }),
       key<B>({"region", "[[body.region]]", "", "none", "Cells of another material, or rigid ones."},
              [](const SceneNode& node, B& b) { read_regions(node, b.mesh, b.regions); }),
       number_key("scale", &B::scale, "", positive, "Scale factor of the mesh coordinates, applied first."),

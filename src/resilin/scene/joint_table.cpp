@@ -233,6 +233,9 @@ void read_spring(const SceneNode& node, CableDescription& spring) {
   read_table(node, spring_keys(), spring);
   if (node.has("stiffness") == node.has("forces"))
     node.fail_with("a spring has either a stiffness or a table of forces");
+  if (node.has("forces") && spring.tension_only)
+    node.child("tension_only")
+        .fail_with("is for a stiffness; a table of forces has rows with the force 0 where it is slack");
   expect_points(node, spring, true);
 }
 

@@ -81,7 +81,9 @@ void fill_surface(const SceneNode& node, const MeshFile& file, const SurfaceCell
   Mesh surface = std::move(facets.mesh);
   check_surface(surface, facets.numbering).require_no_errors();
   const ElementInfo* element = find_element(body.element, 3);
-  FilledSurface filled = fill(node, surface, name, wanted, element == nullptr || element->degree == 2);
+  // Cells of a rigid body are linear: straight ones whose sides fit the surface have its mass.
+  const bool is_quadratic = !body.rigid && (element == nullptr || element->degree == 2);
+  FilledSurface filled = fill(node, surface, name, wanted, is_quadratic);
   const double ratio = filled.volume_ratio;
   if (ratio > 0 && std::abs(ratio - 1) > worth_telling)
     node.context->warnings.push_back(

@@ -37,6 +37,24 @@ BarrierLinks::Barrier of_collider(std::size_t term, const ColliderBarrier& colli
   return barrier;
 }
 
+/// As in world/rigid_shape.cpp. Without a deformable body it is the rigid body itself, which has no
+/// constants.
+BarrierLinks::FollowedDomain followed_by(const World& world, std::size_t body) {
+  BarrierLinks::FollowedDomain followed{body, softest_domain(world.bodies[body])};
+  if (!world.bodies[body].rigid) return followed;
+  double greatest = 0;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (world.bodies[b].rigid) continue;
+    for (std::size_t d = 0; d < world.bodies[b].domains.size(); ++d) {
+      const Domain& domain = world.bodies[b].domains[d];
+      if (domain.is_rigid || !(youngs_modulus(domain) > greatest)) continue;
+      greatest = youngs_modulus(domain);
+      followed = {b, d};
+    }
+  }
+  return followed;
+}
+
 }  // namespace
 
 // Colliders stand among the terms in the order of the scene, those of facets among the others.
@@ -56,16 +74,18 @@ BarrierLinks::BarrierLinks(const World& world) : world_(world) {
     }
   }
   if (barriers_.empty()) return;
-  for (const Body& body : world.bodies) {
-    softest_.push_back(softest_domain(body));
-    modulus_slopes_.push_back(log_modulus_slopes(body.domains[softest_.back()]));
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    followed_.push_back(followed_by(world, b));
+    const auto [body, domain] = followed_.back();
+    modulus_slopes_.push_back(log_modulus_slopes(world.bodies[body].domains[domain]));
   }
 }
 
 bool BarrierLinks::moves(const Barrier& barrier, const WorldChange& change) const {
   return std::ranges::any_of(barrier.bodies, [&](Index body) {
-    const auto b = static_cast<std::size_t>(body);
-    return body >= 0 && change.bodies[b].domains[softest_[b]].constants.size() > 0;
+    if (body < 0) return false;
+    const FollowedDomain& followed = followed_[static_cast<std::size_t>(body)];
+    return change.bodies[followed.body].domains[followed.domain].constants.size() > 0;
   });
 }
 
@@ -73,7 +93,7 @@ bool BarrierLinks::moves(const Barrier& barrier, const WorldChange& change) cons
 void BarrierLinks::spread(const Barrier& barrier, const WorldChange& change, VectorX& stiffness) const {
   VectorX by_body = VectorX::Zero(static_cast<Eigen::Index>(world_.bodies.size()));
   for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
-    const VectorX& constants = change.bodies[b].domains[softest_[b]].constants;
+    const VectorX& constants = change.bodies[followed_[b].body].domains[followed_[b].domain].constants;
     const Eigen::Index n = modulus_slopes_[b].size(), num_sets = constants.size() / n;
     for (Eigen::Index set = 0; set < num_sets; ++set)
       by_body[static_cast<Eigen::Index>(b)] +=
@@ -90,7 +110,7 @@ void BarrierLinks::gather(const Barrier& barrier, const VectorX& stiffness, Worl
     if (const auto k = static_cast<Eigen::Index>(i); barrier.bodies[i] >= 0)
       by_body[barrier.bodies[i]] += barrier.stiffness[k] * stiffness[k];
   for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
-    VectorX& constants = slopes.bodies[b].domains[softest_[b]].constants;
+    VectorX& constants = slopes.bodies[followed_[b].body].domains[followed_[b].domain].constants;
     const Eigen::Index n = modulus_slopes_[b].size(), num_sets = constants.size() / n;
     for (Eigen::Index set = 0; set < num_sets; ++set)
       constants.segment(set * n, n) +=
@@ -108,6 +128,7 @@ std::string kink_of_barrier(const World& world, const WorldChange& change) {
         return change.bodies[body].domains[softest].constants.size() > 0;
       };
       const bool is_asked = follows(a) || follows(b);
+      if (world.bodies[a].rigid || world.bodies[b].rigid) continue;  // they follow the same domain, or none
       if (!is_asked || stiffness[a] != stiffness[b] || !world.meet(a, b)) continue;
       return "derivatives by materials: \"" + world.bodies[a].name + "\" and \"" + world.bodies[b].name +
              "\" are equally stiff, and the contact barrier follows the softer body: in contact these are "

@@ -9,9 +9,14 @@ namespace resilin {
 
 /// How barriers whose stiffness the scene leaves out follow the constants of the bodies' materials: it is in
 /// proportion to Young's modulus at small strain of the means of these, in the softest domain
-/// (world/meeting_surface.hpp).
+/// (world/meeting_surface.hpp). A rigid body's follows the stiffest domain of all deformable bodies.
 class BarrierLinks {
  public:
+  /// A domain whose Young's modulus sets the barrier stiffness of a body.
+  struct FollowedDomain {
+    std::size_t body, domain;
+  };
+
   /// A collider's barrier, or what keeps bodies apart.
   struct Barrier {
     std::size_t term;           ///< its number
@@ -31,7 +36,7 @@ class BarrierLinks {
  private:
   const World& world_;
   std::vector<Barrier> barriers_;
-  std::vector<std::size_t> softest_;  ///< softest domain of each body, which it follows
+  std::vector<FollowedDomain> followed_;  ///< by each body
   std::vector<VectorX>
       modulus_slopes_;  ///< modulus slopes of this domain: d(log E)/d(means of its constants)
 };

@@ -73,6 +73,7 @@ std::string describe_limit(const Body& body) {
   std::string text;
   std::vector<std::string> told;
   for (const Domain& domain : body.domains) {
+    if (domain.is_rigid) continue;
     const std::string end(domain.law_info().end_of_domain);
     if (end.empty() || std::ranges::find(told, domain.law) != told.end()) continue;
     told.push_back(domain.law);

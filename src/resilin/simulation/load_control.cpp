@@ -79,7 +79,8 @@ double next_stop(const World& world, double load) {
   const Increments increments = increments_at(world, load);
   const double length = increments.to - increments.from;
   const double asked = std::floor((load - increments.from) / length * increments.count + 1e-9) + 1;
-  double stop = std::min(increments.from + asked / increments.count * length, increments.to);
+  double stop =
+      asked >= increments.count ? increments.to : increments.from + asked / increments.count * length;
   if (world.path_time == 0) return stop;
   for (const double time : world.event_times) {
     const double event = time / world.path_time;

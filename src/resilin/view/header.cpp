@@ -87,6 +87,7 @@ double field_scale(const FieldInfo& field, const World& world) {
   double stiffest = 0, fastest = 0;  // waves
   for (const Body& body : world.bodies) {
     for (const Domain& domain : body.domains) {
+      if (domain.is_rigid) continue;
       const double modulus = body.rigid ? body.rigid->contact_modulus : youngs_modulus(domain);
       stiffest = std::max(stiffest, modulus);
       if (domain.density > 0) fastest = std::max(fastest, std::sqrt(modulus / domain.density));

@@ -226,8 +226,9 @@ bool is_seen(const Description& description, std::string_view member) {
                          "sections", "output", "end_time"}))
     return false;
   if (member == "gravity_function") return !description.gravity_function.is_constant();
-  // Forces of a support or a contact pair that a step releases fade until the step ends.
-  if (member == "steps") return has_phases(description);
+  // Increments of a static run follow the durations of the steps. Forces of a support or a contact pair that
+  // a step releases fade until the step ends.
+  if (member == "steps") return !description.is_dynamic || has_phases(description);
   if (is_one_of(member, {"time_step", "integrator", "adaptive"})) return description.is_dynamic;
   if (is_one_of(member, {"load_steps", "load_control"})) return !description.is_dynamic;
   return true;

@@ -489,10 +489,11 @@ std::shared_ptr<Cable> make_cable(const CableDescription& description, World& wo
     throw InputError(description.place + ".points", "a point of a body", "points of the ground alone");
   const CablePath path(world.dimension, points);
   const double length = path.length(world.rest_positions);
-  const bool may_coincide = points.size() == 2 && !description.tension && description.rest_length == 0.0;
+  const bool may_coincide = points.size() == 2 && !description.tension && description.forces.empty() &&
+                            description.rest_length == 0.0;
   if (!(length > 0) && !may_coincide)
     throw InputError(description.place + ".points", "points apart", "points in one place",
-                     "a spring between them needs rest_length = 0");
+                     "a spring between them needs rest_length = 0 and a stiffness");
   const auto cable = make_cable(description, world.dimension, std::move(points), length);
   if (!description.rest_length) cable->rest_at(world.rest_positions);
   return cable;

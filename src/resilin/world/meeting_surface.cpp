@@ -22,8 +22,12 @@ double youngs_modulus(const Domain& domain) {
 
 std::size_t softest_domain(const Body& body) {
   std::size_t softest = 0;
-  for (std::size_t d = 1; d < body.domains.size(); ++d)
-    if (youngs_modulus(body.domains[d]) < youngs_modulus(body.domains[softest])) softest = d;
+  for (std::size_t d = 1; d < body.domains.size(); ++d) {
+    const Domain& domain = body.domains[d];
+    if (domain.is_rigid) continue;
+    if (body.domains[softest].is_rigid || youngs_modulus(domain) < youngs_modulus(body.domains[softest]))
+      softest = d;
+  }
   return softest;
 }
 

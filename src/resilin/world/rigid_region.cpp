@@ -60,7 +60,7 @@ BodyDescription body_of(const BodyDescription& body, const RegionDescription& re
   made.velocity = body.velocity;
   made.velocity_gradient = body.velocity_gradient;
   made.damping.mass = body.damping.mass;
-  made.rigid = region.rigid;
+  made.rigid = region.rigid.value_or(RigidDescription{});
   made.rigid->region_of = body.name;
   return made;
 }
