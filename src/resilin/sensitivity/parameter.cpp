@@ -313,7 +313,13 @@ std::vector<Entry> entries(const World& world) {
   for (std::size_t s = 0; s < description.fixes.size(); ++s) {
     std::vector<std::string> keys;
     if (passes_time) keys.emplace_back("velocity");
-    if (!description.fixes[s].rotate) keys.insert(keys.end(), {"displacement", "gradient"});
+    if (!description.fixes[s].rotate) {
+      keys.emplace_back("displacement");
+      const bool is_on_rigid_body = std::ranges::any_of(world.bodies, [&](const Body& body) {
+        return body.rigid && (body.name == description.fixes[s].body || world.bodies.size() == 1);
+      });
+      if (!is_on_rigid_body) keys.emplace_back("gradient");
+    }
     for (const std::string& key : keys) {
       const std::string name = prefix("fix", description.fixes[s].name, s) + key;
       all.push_back({name, [&world, s, name, key] { return support_parameter(world, s, name, key); }});
