@@ -54,8 +54,9 @@ std::size_t InsideGrid::number(int i, int j, int k) const {
 
 Vector3 InsideGrid::middle(std::size_t voxel) const {
   const auto row = static_cast<std::size_t>(counts_[0]), columns = static_cast<std::size_t>(counts_[1]);
-  const Vector3 place(static_cast<double>(voxel % row), static_cast<double>(voxel / row % columns),
-                      static_cast<double>(voxel / row / columns));
+  const std::size_t column = voxel / row % columns, layer = voxel / row / columns;
+  const Vector3 place(static_cast<double>(voxel % row), static_cast<double>(column),
+                      static_cast<double>(layer));
   return low_ + size_ * (place + Vector3::Constant(0.5));
 }
 

@@ -106,7 +106,7 @@ void add_rigid_regions(Description& description) {
 
 void fill_rigid_regions(BodyDescription& body, double modulus) {
   for (RegionDescription& region : body.regions) {
-    if (!is_rigid(region)) continue;
+    if (!region.rigid) continue;
     region.material = {};
     region.material.place = region.place + ".rigid";
     region.material.law = "neo_hookean";
