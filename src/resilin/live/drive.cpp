@@ -312,9 +312,9 @@ double Drives::largest_turn(double time_step) const {
 
 bool Drives::any_is_endless() const {
   for (std::size_t i = 0; i < all_.size(); ++i) {
-    const bool turns_on = all_[i].is_rate() && sources_[i].amplitude != 0;
     if (all_[i].is_driven || sources_[i].amplitude == 0) continue;
-    if (turns_on || std::holds_alternative<TimeFunction::Sine>(sources_[i].function.form)) return true;
+    if (all_[i].is_rate() || std::holds_alternative<TimeFunction::Sine>(sources_[i].function.form))
+      return true;
   }
   return false;
 }

@@ -54,11 +54,11 @@ class Drives {
   /// @return whether an energy has changed
   bool advance(double time_step, World& world);
 
-  /// Whether a driven one is on its way or turns on and on.
+  /// Whether a motor or cable that a slider drives still moves: to its goal, or at its velocity.
   bool any_moves() const;
   /// The largest angle that a driven motor turns in a time step [degrees].
   double largest_turn(double time_step) const;
-  /// Whether the scene itself moves one for ever.
+  /// Whether a time function of the scene moves a motor or cable without end.
   bool any_is_endless() const;
 
  private:
