@@ -27,6 +27,8 @@ target_compile_options(resilin_options INTERFACE
   # x86-64 reads from any address: these four checks are a third of what there is to compile.
   $<$<BOOL:${RESILIN_SANITIZE}>:-O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize=null,object-size,alignment,pointer-overflow
   -fno-sanitize-recover=undefined -fno-omit-frame-pointer>
+  # Uses of a variable after its scope: a third of what there is to compile.
+  $<$<AND:$<BOOL:${RESILIN_SANITIZE}>,$<NOT:$<BOOL:${RESILIN_SANITIZE_SCOPES}>>>:-fno-sanitize-address-use-after-scope>
   # Eigen pads its arrays where it sees the address sanitizer, and could not free those of the tests, which do not.
   $<$<BOOL:${RESILIN_SANITIZE}>:-DEIGEN_MALLOC_ALREADY_ALIGNED=1>
   # With sanitizers g++ takes the states of std::regex for numbers that were never set (GCC bug 105562).

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ElementTree
 from files import ROOT
 
 FOLDER = ROOT / "build" / "python"
+TESTS = ROOT / "python" / "tests"
 INTERPRETER = FOLDER / "venv" / "bin" / "python"  # made by setup.sh
 EXTRAS = ("plot", "parquet", "sweep", "notebook")  # extras of the package, which its tests use
 TIME_LIMIT = 1800  # [s] for all tests when one hangs; they take a minute on quiet cores
@@ -18,6 +19,14 @@ def run_in_build_folder():
     """All tests on the package as ./test has just built it."""
     package = ROOT / "build" / "release" / "python"
     return run_pytest(INTERPRETER, "build.xml", environment={"PYTHONPATH": str(package)})
+
+
+def run_what_the_wheel_leaves_out():
+    """The files of tests that name torch, on that package: after run_in_empty_environment all others would be the same
+    again."""
+    package = ROOT / "build" / "release" / "python"
+    files = [file for file in sorted(TESTS.glob("test_*.py")) if "torch" in file.read_text(encoding="utf-8")]
+    return run_pytest(INTERPRETER, "torch.xml", *files, environment={"PYTHONPATH": str(package)})
 
 
 def run_in_empty_environment():

@@ -146,6 +146,10 @@ def run_python():
     return run_pytest("python", check_python.run_in_build_folder())
 
 
+def run_torch():
+    return run_pytest("torch", check_python.run_what_the_wheel_leaves_out())
+
+
 def run_browser():
     checks = {"the results of the browser's tests are read rightly": check_browser.find_faults_of_this_check}
     outcomes = [run_check(name, check) for name, check in {**checks, **check_browser.page_checks()}.items()]
@@ -174,17 +178,16 @@ STEPS = {
     "validation": run_validation,
     "consumer": run_consumer,
     "python": run_python,
+    "torch": run_torch,
     "petsc": run_petsc,
     "wheel": run_wheel,
     "browser": run_browser,
     "sanitizers": run_sanitizers,
 }
-NEEDED_BUILD = {
-    step: "release"
-    for step in ("release", "examples", "docs", "readme", "validation", "consumer", "python", "wheel", "browser")
-} | {"petsc": "petsc", "sanitizers": "asan"}
 # Each keeps one core busy, or waits for a browser; the others divide their work among all cores themselves.
-ONE_CORE_STEPS = {"examples", "docs", "readme", "consumer", "python", "petsc", "wheel", "browser"}
+ONE_CORE_STEPS = {"examples", "docs", "readme", "consumer", "python", "torch", "petsc", "wheel", "browser"}
+NEEDED_BUILD = dict.fromkeys(ONE_CORE_STEPS | {"release", "validation"}, "release")
+NEEDED_BUILD |= {"petsc": "petsc", "sanitizers": "asan"}
 
 
 def spent_time(text):
