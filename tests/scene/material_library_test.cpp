@@ -53,6 +53,32 @@ TEST(MaterialLibrary, StatesTheModulusAtSmallStrain) {
   }
 }
 
+/// Silicones and the gel: nominal stresses of the tests, a curve that rises from compression to the end of
+/// the range. Data: doi 10.5281/zenodo.3611329; the gel has only its modulus.
+TEST(MaterialLibrary, SiliconesMeetTheirTests) {
+  struct Datum {
+    std::string name;
+    double end, stretch, nominal_stress;  // [Pa]
+  };
+  const std::vector<Datum> data = {
+      {"ecoflex_00_10", 5, 3.659, 0.0470767e6}, {"ecoflex_00_30", 5, 3.045, 0.05355e6},
+      {"ecoflex_00_50", 5, 3.659, 0.109035e6},  {"dragon_skin_10", 3, 2.364, 0.167919e6},
+      {"dragon_skin_20", 3, 2.364, 0.454703e6}, {"dragon_skin_30", 3, 2.364, 0.61832e6},
+      {"pdms_rtv615", 2, 1.682, 0.517633e6},    {"pva_gel", 1, 0.999, -20.76}};
+  for (const Datum& datum : data) {
+    const LibraryMaterial& material = find_library_material(datum.name, "here");
+    const LawInfo& law = require_law(material.law, "here");
+    const Material made{
+        .law = &law, .constants = resolve_constants(law, material.constants, "here"), .fibres = {}};
+    std::vector<double> stretches = {datum.stretch};
+    for (double stretch = 0.5; stretch <= datum.end; stretch += 0.05) stretches.push_back(stretch);
+    const std::vector<double> stress = stretch_curve(made, LoadCase::uniaxial, stretches).nominal_stress;
+    EXPECT_NEAR(stress[0], datum.nominal_stress, 0.03 * std::abs(datum.nominal_stress)) << datum.name;
+    for (std::size_t i = 2; i < stress.size(); ++i)
+      EXPECT_LT(stress[i - 1], stress[i]) << datum.name << " at " << stretches[i];
+  }
+}
+
 TEST(MaterialLibrary, RefusesWhatItHasNotAndWhatItBrings) {
   const auto error_of = [](const std::string& material) {
     return input_error([&] { read_text(scene_of(material)); });
