@@ -21,6 +21,7 @@ void add_mesh(CommandLine& line, Action& action);
 void add_view(CommandLine& line, Action& action);
 void add_export(CommandLine& line, Action& action);
 void add_picture(CommandLine& line, Action& action);
+void add_revolve(CommandLine& line, Action& action);
 void add_plot(CommandLine& line, Action& action);
 void add_gradcheck(CommandLine& line, Action& action);
 void add_rest_shape(CommandLine& line, Action& action);

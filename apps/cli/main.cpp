@@ -84,6 +84,7 @@ int run_command(int argc, char** argv) {
   add_picture(line, action);
   add_film(line, action);
   add_plot(line, action);
+  add_revolve(line, action);
   add_new(line, action);
   add_mesh(line, action);
   add_gradcheck(line, action);

@@ -124,6 +124,7 @@ std::string encode_header(const ViewHeader& header, const World& world, const Sh
   for (const ShownConnector& connector : connectors) json["connectors"].push_back(connector_json(connector));
   if (header.ground) json["ground"] = *header.ground;
   if (world.dimension == 2) json["forces_per_metre"] = !is_axisymmetric(world) && world.thickness == 1;
+  if (is_axisymmetric(world)) json["axisymmetric"] = true;
   json["fields"] = fields_json(header.fields, world);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

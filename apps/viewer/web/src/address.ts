@@ -1,6 +1,7 @@
 /** The view in the address: #frame=12&field=von_mises&camera=..., so that a link shows the same. */
 
 import { COLOR_MAPS, type ColorMap } from "./color_map";
+import { ANGLES } from "./revolve";
 import type { Pose } from "./orbit";
 import type { Look } from "./viewport";
 
@@ -28,6 +29,7 @@ export function writeAddress(view: SharedView): string {
   if (on.length > 0) parts.push(`show=${on.join(",")}`);
   if (view.look?.cut) parts.push(`cut=${view.look.cutAxis}${view.look.cutAt}`);
   if (view.look?.colorMap && view.look.colorMap !== "viridis") parts.push(`colors=${view.look.colorMap}`);
+  if (view.look?.revolve) parts.push(`revolve=${view.look.revolve}`);
   if (view.look?.arrows) parts.push(`arrows=${encodeURIComponent(view.look.arrows)}`);
   if (view.range) parts.push(`range=${view.range.join(",")}`);
   return `#${parts.join("&")}`;
@@ -56,6 +58,8 @@ export function readAddress(hash: string): SharedView {
   const colors = words.get("colors");
   if (colors !== null && colors in COLOR_MAPS) view.look.colorMap = colors as ColorMap;
   view.look.arrows = words.get("arrows") ?? (on.includes("vectors") ? "displacement" : ""); // as links once had it
+  const revolve = Number(words.get("revolve"));
+  view.look.revolve = ANGLES.includes(revolve) ? revolve : 0;
   const range = numbers("range");
   if (range.length === 2 && range.every(Number.isFinite) && range[0] < range[1]) view.range = [range[0], range[1]];
   return view;

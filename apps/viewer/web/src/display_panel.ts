@@ -7,6 +7,7 @@ import { element } from "./dom";
 import { NumberSlider } from "./number_slider";
 import type { DrawingChoice } from "./pace";
 import type { Field } from "./protocol";
+import { ANGLES } from "./revolve";
 import type { Theme, ThemeChoice } from "./theme";
 import { vectorFields } from "./vectors";
 import type { Look, Viewport } from "./viewport";
@@ -25,6 +26,7 @@ export interface DisplayEvents {
   complain(words: string): void;
   mostDeformed?: number; // at the end of the slider
   deform?(scale: number): void; // scales the displacement of a recording
+  revolve?(): void; // shows the half section of a recording as a revolved body, or itself again
   rangeOver?(choice: "all frames" | "this frame"): void; // sets the range of a recording
 }
 
@@ -68,7 +70,7 @@ export class DisplayPanel {
       viewport.setLook(this.look());
       events.look();
     };
-    const { fields, parts, colliders = [], marks = [], connectors = [] } = viewport.header;
+    const { axisymmetric, fields, parts, colliders = [], marks = [], connectors = [] } = viewport.header;
     const groups = groupsOf(fields);
     const sorted = groups.flatMap((group) => group.fields);
     const options = Object.fromEntries([["body colour", ""], ...sorted.map((field) => [field.label, field.name])]);
@@ -95,6 +97,10 @@ export class DisplayPanel {
       named(new NumberSlider(folder, { scale: 1 }, "scale", range), "deformation", "Displacement ×").onChange(
         events.deform,
       );
+    }
+    if (events.revolve && axisymmetric) {
+      const angles = Object.fromEntries(ANGLES.map((angle) => [angle === 0 ? "half section" : `${angle}°`, angle]));
+      named(folder.add(choices, "revolve", angles), "revolve", "Revolved").onChange(events.revolve);
     }
     const vectors = Object.fromEntries(vectorFields(fields).map(({ label, name }) => [label, name]));
     named(folder.add(choices, "arrows", { none: "", ...vectors }), "arrows", "Arrows").onChange((name: string) => {

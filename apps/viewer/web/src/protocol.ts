@@ -96,6 +96,7 @@ const headerShape = {
   colliders: optional(list(collider)),
   marks: optional(list(mark)),
   connectors: optional(list(connector)),
+  axisymmetric: optional(flag), // in 2D: the half section of a body of revolution about the y axis
   forces_per_metre: optional(flag), // in 2D: forces and energies are those of a metre of depth; if it is not there, too
 };
 

@@ -15,6 +15,7 @@ import type { Frame } from "./protocol";
 import type { RecordedValues } from "./recorded_values";
 import type { Recording } from "./recording";
 import type { Report } from "./report";
+import { Revolved } from "./revolve";
 import { Shell } from "./shell";
 import { goTo, type TakingUp } from "./taking_up";
 import { Timeline } from "./timeline";
@@ -59,6 +60,7 @@ export class ResultsApp {
   private readonly crosshair = new Crosshair();
   private probed: number | null = null;
   private rangeOverAll = true;
+  private body: Revolved | null = null; // the half section as a revolved body, where that is shown
   private readonly addressBar = new AddressBar(() => (this.timeline.isPlaying ? null : this.view()));
 
   constructor(
@@ -76,29 +78,9 @@ export class ResultsApp {
       tick: () => this.tick(),
       drawn: () => {},
     });
-    const header = { ...recording.header, fields: values.fields };
-    const viewport = this.shell.setScene(header, recording.topology, (part) =>
-      header.parts[part].kind === "skin" ? "smooth" : "creased",
-    );
     const modes = modesOf(recording.frames, report);
-    viewport.setGround(header.ground ?? null);
-    viewport.reach = this.reach(viewport, modes.length > 0);
     this.overlays.root.append(this.crosshair.root);
-    this.shell.seeAll();
-    this.shell.addBodies(null, () => {});
-    this.shell.addDisplay({
-      deform: (scale) => {
-        this.scale = scale;
-        this.shell.bar.setNote(scale === 1 ? "" : `displacement scaled by ${plain(scale)}`);
-        this.wanted ??= this.timeline.index;
-      },
-      mostDeformed: this.mostDeformed,
-      look: () => this.addressBar.changed(),
-      rangeOver: (choice) => {
-        this.rangeOverAll = choice === "all frames";
-        this.showRange();
-      },
-    });
+    this.setScene();
     this.timeline = new Timeline(recording.frames, modes, {
       shown: (index, swing) => {
         this.wanted = index;
@@ -124,17 +106,69 @@ export class ResultsApp {
       ),
     );
     if (matchMedia("(max-width: 720px), (max-height: 520px)").matches) this.plots.root.hidden = true;
-    this.describe(recording, report);
     this.listen();
     this.applyAddress();
     const { inspected } = this.shell;
     Object.assign(inspected, {
-      header,
       report,
       seek: (index: number) => this.timeline.seek(index),
       probe: (vertex: number) => this.probe(vertex),
       tone: () => this.timeline.tonePlayed,
     });
+  }
+
+  /** The recorded scene, or the body that its half section makes. */
+  private setScene(): void {
+    const { values, shell, report } = this;
+    const { recording } = values;
+    const section = { ...recording.header, fields: values.fields };
+    const angle = section.axisymmetric ? shell.choices.revolve : 0;
+    const colliders = recording.frames[0]?.colliders ?? new Float32Array();
+    this.body = angle > 0 ? new Revolved(section, recording.topology, angle, colliders) : null;
+    const { header, topology } = this.body ?? { header: section, topology: recording.topology };
+    const viewport = shell.setScene(header, topology, (part) =>
+      header.parts[part].kind === "skin" ? "smooth" : "creased",
+    );
+    viewport.setGround(header.ground ?? null);
+    viewport.reach = this.reach(viewport, modesOf(recording.frames, report).length > 0);
+    if (this.body) viewport.orbit.lookFrom(angle > 180 ? [1, 0.7, 1] : [0.4, 0.6, 1]); // into the opening
+    shell.seeAll();
+    shell.addBodies(null, () => {});
+    shell.addDisplay({
+      deform: (scale) => {
+        this.scale = scale;
+        shell.bar.setNote(scale === 1 ? "" : `displacement scaled by ${plain(scale)}`);
+        this.wanted ??= this.timeline.index;
+      },
+      mostDeformed: this.mostDeformed,
+      look: () => this.addressBar.changed(),
+      revolve: () => setTimeout(() => this.revolve()), // once the panel, which is made anew, has told of it
+      rangeOver: (choice) => {
+        this.rangeOverAll = choice === "all frames";
+        this.showRange();
+      },
+    });
+    this.describe(recording, report);
+    shell.inspected.header = header;
+  }
+
+  /** Shows the angle that was chosen. */
+  private revolve(): void {
+    this.line = null;
+    this.lineButton.setAttribute("aria-pressed", "false");
+    this.hovered = null;
+    this.scale = 1; // as the new panel shows it
+    this.rangeOverAll = true;
+    this.shell.bar.setNote("");
+    this.setScene();
+    this.wanted = this.timeline.index;
+    this.addressBar.changed();
+  }
+
+  /** A frame as it is drawn. */
+  private drawn(index: number, field: number, swing = 1, scale = 1): Frame {
+    const frame = this.values.frame(index, field, swing, scale);
+    return this.body ? this.body.frame(frame) : frame;
   }
 
   /** Where the bodies are in all frames, looked at in some of them; modes swing to both sides. */
@@ -144,8 +178,7 @@ export class ResultsApp {
     const stride = Math.max(1, Math.floor(length / FRAMES_LOOKED_AT));
     for (let i = 0; i < length; ++i)
       if (i % stride === 0 || i === length - 1)
-        for (const swing of isOfModes ? [1, -1] : [1])
-          box.union(viewport.boxOf(this.values.frame(i, -1, swing).positions));
+        for (const swing of isOfModes ? [1, -1] : [1]) box.union(viewport.boxOf(this.drawn(i, -1, swing).positions));
     return box.isEmpty() ? viewport.restBox.clone() : box;
   }
 
@@ -187,7 +220,7 @@ export class ResultsApp {
   private click(at: Place): void {
     const hit = this.shell.viewport!.pickAt(at.x, at.y);
     if (!hit) return;
-    if (this.line === null) return this.probe(hit.vertex);
+    if (this.line === null) return this.probe(this.body ? this.body.source[hit.vertex] : hit.vertex);
     if (this.line.length === 2) this.line = [];
     this.line.push(hit);
     this.plots.root.hidden = false;
@@ -197,6 +230,7 @@ export class ResultsApp {
 
   /** The next two clicks are the ends of a line. */
   private toggleLine(): void {
+    if (this.body) return this.overlays.say("A line needs the half section: choose it under Revolved.");
     this.line = this.line === null ? [] : null;
     this.lineButton.setAttribute("aria-pressed", String(this.line !== null));
     if (this.line !== null) this.overlays.say("Click the start of the line.", "fine");
@@ -291,13 +325,14 @@ export class ResultsApp {
     if (this.hasMoved && this.wanted === null) this.shell.pointAt(this.hovered);
     this.hasMoved = false;
     if (this.wanted === null) return null;
-    const frame = this.values.frame(this.wanted, this.field, this.swing, this.scale);
-    frame.arrows = this.values.arrows(this.wanted, this.shell.choices.arrows);
+    const section = this.values.frame(this.wanted, this.field, this.swing, this.scale);
+    section.arrows = this.values.arrows(this.wanted, this.shell.choices.arrows);
+    const frame = this.body ? this.body.frame(section) : section;
     const viewport = this.shell.viewport!;
     viewport.setFrame(frame);
     if (this.field < 0) this.shell.bar.set(null, [0, 1], false);
     else this.showRange();
-    const probes = this.probed === null ? [] : [new THREE.Vector3().fromArray(frame.positions, 3 * this.probed)];
+    const probes = this.probed === null ? [] : [new THREE.Vector3().fromArray(section.positions, 3 * this.probed)]; // in its plane
     viewport.marks.setProbes([...probes, ...this.showLine(frame)]);
     this.shell.pointAt(this.hovered);
     this.plots.mark(this.wanted);
@@ -325,7 +360,9 @@ export class ResultsApp {
     // Shapes of vibrations have no stress that means something: their size is arbitrary.
     const first = this.timeline.showsModes ? 0 : Math.min(1, this.values.fields.length - 1);
     if (location.hash === "") view.field = this.values.fields[first].name;
+    const { revolve } = shell.choices;
     Object.assign(shell.choices, view.look);
+    if (shell.choices.revolve !== revolve) this.setScene();
     shell.choices.field = nameOfField(this.values.fields, view.field ?? "");
     if (!vectorFields(this.values.fields).some(({ name }) => name === shell.choices.arrows)) shell.choices.arrows = "";
     shell.display!.refresh();

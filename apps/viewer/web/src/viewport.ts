@@ -34,6 +34,7 @@ export interface Look {
   cutAxis: "x" | "y" | "z";
   cutAt: number; // share of the box, 0 to 1
   cutFlip: boolean;
+  revolve: number; // angle through which a half section is turned [degrees]; 0: not
 }
 
 export const defaultLook = (): Look => ({
@@ -50,6 +51,7 @@ export const defaultLook = (): Look => ({
   cutAxis: "x",
   cutAt: 0.5,
   cutFlip: false,
+  revolve: 0,
 });
 
 const MOST_TRIANGLES_WITH_EDGES = 400_000;

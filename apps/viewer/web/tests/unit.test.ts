@@ -18,6 +18,7 @@ import { fixed, perDepth, plain, roundTicks, scaledUnit, withoutRounding, withUn
 import { pick } from "../src/picking";
 import { decodeFrame, decodeMessage, decodeTopology, encodeMessage, type Frame } from "../src/protocol";
 import { curvesOf, timeAxis } from "../src/report";
+import { Revolved } from "../src/revolve";
 import { cutTetrahedra } from "../src/section";
 import { grouped } from "../src/warnings";
 import { repository } from "./harness";
@@ -304,13 +305,14 @@ test("an address holds the whole view, and what is wrong in it is left out", () 
       arrows: "velocity",
       cutAxis: "y" as const,
       cutAt: 0.3,
+      revolve: 270,
     },
     range: [1, 2e5] as [number, number],
   };
   assert.deepEqual(readAddress(writeAddress(view)), view);
-  const wrong = readAddress("#frame=-3&from=x&camera=1,2&cut=q9&range=5,1&show=nothing");
+  const wrong = readAddress("#frame=-3&from=x&camera=1,2&cut=q9&range=5,1&show=nothing&revolve=7");
   assert.deepEqual(wrong, {
-    look: { wireframe: false, cells: false, cut: false, cutFlip: false, parallel: false, arrows: "" },
+    look: { wireframe: false, cells: false, cut: false, cutFlip: false, parallel: false, arrows: "", revolve: 0 },
   });
 });
 
@@ -444,4 +446,82 @@ test("edges are where triangles meet at an angle, and borders", () => {
     ),
     'a,"b,c"\n1,3\n2,\n',
   );
+});
+
+test("a half section is revolved into a closed body of outward triangles", () => {
+  // A square from radius 1 to 2, between heights 0 and 1; one more that touches the axis.
+  const square = [0, 1, 2, 0, 2, 3];
+  const part = { name: "", body: "", kind: "cells" as const, num_vertices: 4, num_triangles: 2, num_edges: 0 };
+  const header = {
+    title: "",
+    version: "",
+    dimension: 2 as const,
+    extent: 2,
+    up: [0, 1, 0] as [number, number, number],
+    gravity: [0, 0, 0] as [number, number, number],
+    parts: [
+      { ...part, first_vertex: 0 },
+      { ...part, first_vertex: 4 },
+    ],
+    fields: [],
+    marks: [{ kind: "probe" as const, name: "", vertices: [5] }],
+    colliders: [{ name: "", num_vertices: 2, num_facets: 1, closed: false, endless: true }],
+  };
+  const section = {
+    triangles: [Uint32Array.from(square), Uint32Array.from(square, (v) => v + 4)],
+    edges: [new Uint32Array(), new Uint32Array()],
+    tetrahedra: [new Uint32Array(), new Uint32Array()],
+    restPositions: Float32Array.from([1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0, 0, 2, 0, 1, 2, 0, 1, 3, 0, 0, 3, 0]),
+    colliders: [{ vertices: Float32Array.from([-3, 0, 0, 3, 0, 0]), facets: Uint32Array.from([0, 1]) }],
+  };
+  const place = [1, 0, 0, 0, 0, 1, 0, 4, 0, 0, 1, 0]; // at a height of 4
+  for (const angle of [180, 270, 360]) {
+    const body = new Revolved(header, section, angle, Float32Array.from(place));
+    const share = angle / 360;
+    [3 * Math.PI * share, Math.PI * share].forEach((volume, p) => {
+      const { triangles, restPositions } = body.topology;
+      let [sum, hit] = [0, new Set<string>()];
+      for (let i = 0; i < triangles[p].length; i += 3) {
+        const corners = [0, 1, 2].map((k) => new THREE.Vector3().fromArray(restPositions, 3 * triangles[p][i + k]));
+        sum += corners[0].dot(corners[1].clone().cross(corners[2])) / 6;
+        const names = corners.map((corner) =>
+          corner
+            .toArray()
+            .map((x) => x.toFixed(4).replace("-0.0000", "0.0000"))
+            .join(),
+        );
+        for (let k = 0; k < 3; ++k) {
+          const back = `${names[(k + 1) % 3]} ${names[k]}`;
+          if (!hit.delete(back)) hit.add(`${names[k]} ${names[(k + 1) % 3]}`);
+        }
+      }
+      assert.equal(hit.size, 0, `${angle} degrees, part ${p}: closed`);
+      assert.ok(Math.abs(sum / volume - 1) < 2e-3, `${angle} degrees, part ${p}: volume ${sum}, not ${volume}`);
+    });
+    assert.deepEqual(body.header.marks![0].vertices, [body.copyOf(5)]);
+    assert.equal(body.source[body.copyOf(5)], 5);
+    const moved = place.map((value, i) => (i === 7 ? 5 : i === 3 ? 0.75 : value));
+    const values = new Uint16Array(8).map((_, v) => v + 1);
+    const vectors = Float32Array.from(section.restPositions); // outward and up
+    const frame = body.frame({
+      number: 0,
+      time: 0,
+      answersDrag: 0,
+      field: 0,
+      least: 0,
+      greatest: 1,
+      positions: section.restPositions,
+      normals: null,
+      fieldValues: values,
+      colliders: Float32Array.from(moved),
+      arrows: { field: 0, greatest: 1, vectors },
+    } as Frame);
+    assert.deepEqual(frame.arrows!.vectors, frame.positions, "vectors turn with the section");
+    body.source.forEach((from, v) => assert.equal(frame.fieldValues![v], from + 1));
+    assert.equal(frame.colliders![7], 1, "it has moved by 1");
+    assert.ok(Math.abs(frame.colliders![0] - 1.5) < 1e-6, "outward by half of its mean radius of 1.5");
+    const [collider] = body.topology.colliders;
+    assert.ok(collider.vertices.every((value, i) => i % 3 !== 1 || value === 4));
+    assert.ok(collider.vertices.every((value) => Math.abs(value) <= 4));
+  }
 });
