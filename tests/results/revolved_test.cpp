@@ -67,7 +67,7 @@ double volume(const CellBlock& block, Index cell, const std::vector<Vector3>& ve
   using Face = std::vector<std::size_t>;
   const std::vector<Face> faces =
       block.kind == CellKind::prism
-          ? std::vector<Face>{{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}
+          ? std::vector<Face>{{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}
           : std::vector<Face>{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   const auto at = [&](std::size_t corner) {

@@ -72,11 +72,13 @@ CellKind revolved_kind(std::size_t corners) {
 }
 
 /// A cell between two layers of points. The section turns away from the side from which its cells are seen
-/// counter-clockwise, so the second layer is the face that looks towards the other.
+/// counter-clockwise. The first face of VTK's hexahedron looks towards the other, that of its wedge away from
+/// it.
 std::vector<Index> between_layers(const std::vector<Index>& corners, Index first, Index second) {
+  if (corners.size() != 3) std::swap(first, second);
   std::vector<Index> nodes;
-  for (const Index corner : corners) nodes.push_back(second + corner);
   for (const Index corner : corners) nodes.push_back(first + corner);
+  for (const Index corner : corners) nodes.push_back(second + corner);
   if (corners.size() == 2) std::swap(nodes[2], nodes[3]);  // around the quadrilateral
   return nodes;
 }
