@@ -22,10 +22,10 @@ class Curve:
     """A function of time. Its smooth interpolation is the mean of parabolas through three points."""
 
     def __init__(self, controller):
-        if controller.get("type") != "loadcurve":
+        if controller.get("type") not in ("loadcurve", "point"):
             raise InexpressibleError(f"load controller {controller.get('type')}")
-        self.interpolation = controller.findtext("interpolate", "LINEAR")
-        self.extension = controller.findtext("extend", "CONSTANT")
+        self.interpolation = controller.findtext("interpolate", "LINEAR").upper()
+        self.extension = controller.findtext("extend", "CONSTANT").upper()
         self.points = []
         for point in controller.find("points"):
             if not self.points or vector(point.text)[0] > self.points[-1][0]:

@@ -4,6 +4,7 @@ import collections
 import warnings
 
 import numpy as np
+from curves import Curve
 from materials import InexpressibleError, number, vector
 from problem import Problem, RigidMotion
 
@@ -558,22 +559,40 @@ class Translation:
         self.lists["joint"].append(joint)
 
     def add_springs(self):
-        """Linear springs between nodes; a node of no cell is a point of the ground."""
+        """Springs between nodes; a node of no cell is a point of the ground."""
         problem = self.problem
         materials = {m.get("id"): m for m in problem.root.findall("./Discrete/discrete_material")}
         for discrete in problem.root.findall("./Discrete/discrete"):
             material = materials[discrete.get("dmat")]
-            if material.get("type") != "linear spring":
-                raise InexpressibleError(f"Discrete: {material.get('type')}")
+            force = self.force_of_spring(material)
             for pair in problem.root.findall(f"./Mesh/DiscreteSet[@name='{discrete.get('discrete_set')}']/*"):
                 points = []
                 for node in problem.indices(pair.text):
                     owner = {"body": self.owner[node].name} if node in self.owner else {}
                     points.append(owner | {"at": problem.positions[node]})
-                spring = {"points": points, "stiffness": number(material, "E")}
+                spring = {"points": points, **force}
                 if points[0]["at"] == points[1]["at"]:
                     spring["rest_length"] = 0
                 self.lists["spring"].append(spring)
+
+    @staticmethod
+    def force_of_spring(material):
+        """Keys of a spring: a stiffness, or a table of forces along a curve with its ends."""
+        kind = material.get("type")
+        if kind == "linear spring":
+            return {"stiffness": number(material, "E")}
+        force = material.find("force")
+        if kind != "nonlinear spring" or material.findtext("measure", "elongation") != "elongation" or force is None:
+            raise InexpressibleError(f"Discrete: {kind}")
+        curve, scale = Curve(force), number(material, "scale", 1)
+        first, last = curve.points[0][0], curve.points[-1][0]
+        if curve.interpolation == "STEP" or curve.extension not in ("CONSTANT", "EXTRAPOLATE"):
+            raise InexpressibleError(f"Discrete: {kind} with steps or repetitions")
+        elongations = np.linspace(first, last, 1 if first == last else 1001)
+        rows = [[float(e), scale * curve(float(e))] for e in elongations]
+        if curve.extension == "CONSTANT":
+            rows = [[first - (last - first), rows[0][1]], *rows, [last + (last - first), rows[-1][1]]]
+        return {"forces": rows}
 
     def add_linear_constraints(self):
         for bc in self.problem.root.findall("./Boundary/bc[@type='linear constraint']"):
