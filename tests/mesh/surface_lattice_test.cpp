@@ -313,16 +313,25 @@ TEST(SurfaceLattice, WhatEnclosesNothingIsRefusedInWords) {
   EXPECT_THAT(refusal_of(ball_surface(1, Vector3::Zero(), 1), 2000001), HasSubstr("got 2000001"));
 }
 
-/// Against the sum over all triangles.
-TEST(WindingNumber, DipolesErrByHundredthsAndTellInsideFromOutside) {
-  Mesh ball = ball_surface(1, {3, 2, 1}, 5);
-  const WindingNumber winding(ball, ball.blocks[0]);
+/// A ball, and one with a cavity, whose walls cancel each other's dipoles.
+TEST(WindingNumber, MomentsErrByHundredths) {
+  const Vector3 middle(3, 2, 1);
+  const Mesh ball = ball_surface(1, middle, 4);
+  Mesh hollow = ball;
+  std::vector<Index>& nodes = hollow.blocks[0].nodes;
+  const auto num_vertices = static_cast<Index>(ball.vertices.size());
+  for (const Vector3& X : ball.vertices) hollow.vertices.emplace_back(middle + 0.6 * (X - middle));
+  for (std::size_t i = 0, end = nodes.size(); i < end; i += 3)
+    for (const std::size_t corner : {0, 2, 1}) nodes.push_back(nodes[i + corner] + num_vertices);
+  const WindingNumber winding(ball, ball.blocks[0]), around_cavity(hollow, hollow.blocks[0]);
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     const Vector3 arm(normal(random), normal(random), normal(random));
-    if (std::abs(arm.norm() - 1) < 0.02) continue;
-    EXPECT_NEAR(winding(Vector3(3, 2, 1) + arm), arm.norm() < 1 ? 1 : 0, 0.05) << arm.norm();
+    const double r = arm.norm();
+    if (std::abs(r - 1) < 0.02 || std::abs(r - 0.6) < 0.02) continue;
+    EXPECT_NEAR(winding(middle + arm), r < 1 ? 1 : 0, 0.05) << r;
+    EXPECT_NEAR(around_cavity(middle + arm), r < 1 && r > 0.6 ? 1 : 0, 0.05) << r;
   }
 }
 

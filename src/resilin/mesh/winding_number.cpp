@@ -13,7 +13,7 @@ namespace resilin {
 namespace {
 
 constexpr Index leaf_size = 8;
-constexpr double far = 2;  // radii from the centre: from there on a node is taken as a dipole
+constexpr double far = 1.5;  // radii from the centre: from there on a node is taken as a whole
 constexpr std::size_t max_depth = 64;
 
 /// Sum of angles of the plane by their product as complex numbers, so that one arc tangent is enough for
@@ -70,6 +70,42 @@ WindingNumber::WindingNumber(const Mesh& mesh, const CellBlock& triangles) {
   corners_ = std::move(sorted);
 }
 
+/// Over a triangle of area A with middle m: integral of s = A m, of s s^T = A/12 (sum_corners s s^T + 9 m
+/// m^T).
+void WindingNumber::add_moments(Node& node, const std::array<Vector3, 3>& corners, const Vector3& area) {
+  const Vector3 m = (corners[0] + corners[1] + corners[2]) / 3 - node.center;
+  node.first_moment += 0.5 * (area * m.transpose() + m * area.transpose());
+  Matrix<3> S = 9 * m * m.transpose();
+  for (const Vector3& X : corners) S += (X - node.center) * (X - node.center).transpose();
+  S /= 12;
+  const Vector3& n = area;
+  const std::array<double, 10> form = {n.x() * S(0, 0),
+                                       2 * n.x() * S(0, 1) + n.y() * S(0, 0),
+                                       2 * n.x() * S(0, 2) + n.z() * S(0, 0),
+                                       n.x() * S(1, 1) + 2 * n.y() * S(0, 1),
+                                       2 * (n.x() * S(1, 2) + n.y() * S(0, 2) + n.z() * S(0, 1)),
+                                       n.x() * S(2, 2) + 2 * n.z() * S(0, 2),
+                                       n.y() * S(1, 1),
+                                       2 * n.y() * S(1, 2) + n.z() * S(1, 1),
+                                       n.y() * S(2, 2) + 2 * n.z() * S(1, 2),
+                                       n.z() * S(2, 2)};
+  for (std::size_t i = 0; i < form.size(); ++i) node.second_moment[i] += form[i];
+  node.contracted += 2 * S * n + S.trace() * n;
+}
+
+/// Solid angle of the triangles of a node whose center is at R from the point: the Taylor series in s of
+/// n . (R + s) / |R + s|^3.
+double WindingNumber::far_angle(const Node& node, const Vector3& R, double square) {
+  const double x = R.x(), y = R.y(), z = R.z(), q = 1 / square;
+  const auto& c = node.second_moment;
+  const double form = x * (x * (c[0] * x + c[1] * y + c[2] * z) + y * (c[3] * y + c[4] * z) + c[5] * z * z) +
+                      y * (y * (c[6] * y + c[7] * z) + c[8] * z * z) + c[9] * z * z * z;
+  const double zeroth = node.dipole.dot(R);
+  const double first = node.first_moment.trace() - 3 * q * R.dot(node.first_moment * R);
+  const double second = 1.5 * q * (5 * q * form - node.contracted.dot(R));
+  return q * std::sqrt(q) * (zeroth + first + second);
+}
+
 void WindingNumber::build(Index node, std::vector<Index>& order, const Triangles& triangles) {
   Node made = nodes_[static_cast<std::size_t>(node)];
   const auto begin = order.begin() + made.first, end = order.begin() + made.last;
@@ -90,6 +126,8 @@ void WindingNumber::build(Index node, std::vector<Index>& order, const Triangles
   for (auto t = begin; t != end; ++t)
     for (const Vector3& X : corners_[static_cast<std::size_t>(*t)])
       made.radius = std::max(made.radius, (X - made.center).norm());
+  for (auto t = begin; t != end; ++t)
+    add_moments(made, corners_[static_cast<std::size_t>(*t)], triangles.areas[static_cast<std::size_t>(*t)]);
   if (made.last - made.first > leaf_size) {
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
@@ -115,9 +153,9 @@ double WindingNumber::operator()(const Vector3& X) const {
   while (size > 0) {
     const Node& node = nodes_[static_cast<std::size_t>(stack[--size])];
     const Vector3 arm = node.center - X;
-    const double distance = arm.norm();
-    if (distance > far * node.radius) {
-      angle += node.dipole.dot(arm) / (distance * distance * distance);
+    const double square = arm.squaredNorm();
+    if (square > far * far * node.radius * node.radius) {
+      angle += far_angle(node, arm, square);
     } else if (node.left < 0) {
       AngleSum half;
       for (Index t = node.first; t < node.last; ++t)
