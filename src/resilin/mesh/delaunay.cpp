@@ -1,6 +1,7 @@
 #include "resilin/mesh/delaunay.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
@@ -119,6 +120,20 @@ Index Delaunay::take_place() {
   return static_cast<Index>(tetrahedra_.size()) - 1;
 }
 
+/// Makes neighbors of the two sides that share an edge.
+void Delaunay::join(const Rim& rim) {
+  const std::uint64_t hash = static_cast<std::uint64_t>(rim.edge) * 0x9e3779b97f4a7c15ULL;
+  std::size_t slot = (hash ^ hash >> 32) & (rims_.size() - 1);
+  while (rims_[slot].edge >= 0 && rims_[slot].edge != rim.edge) slot = (slot + 1) & (rims_.size() - 1);
+  const Rim& other = rims_[slot];
+  if (other.edge < 0) {
+    rims_[slot] = rim;
+    return;
+  }
+  at(rim.tetrahedron).neighbors[static_cast<std::size_t>(rim.side)] = other.tetrahedron;
+  at(other.tetrahedron).neighbors[static_cast<std::size_t>(other.side)] = rim.tetrahedron;
+}
+
 Index Delaunay::insert(const Point& p) {
   assert(std::ranges::all_of(p, [](std::int32_t x) { return x > 0 && x < extent; }));
   const Index start = find_around(p);
@@ -132,8 +147,7 @@ Index Delaunay::insert(const Point& p) {
   is_in_cavity_.resize(tetrahedra_.size(), 0);
   cavity_ = {start};
   is_in_cavity_[static_cast<std::size_t>(start)] = 1;
-  rims_.clear();
-  std::vector<std::pair<Index, int>> sides;  // sides of the cavity
+  sides_.clear();
   for (std::size_t i = 0; i < cavity_.size(); ++i) {
     const Index t = cavity_[i];
     for (int side = 0; side < 4; ++side) {
@@ -146,10 +160,11 @@ Index Delaunay::insert(const Point& p) {
         }
         if (is_in != 0) continue;
       }
-      sides.emplace_back(t, side);
+      sides_.emplace_back(t, side);
     }
   }
-  for (const auto& [t, side] : sides) {
+  rims_.assign(std::bit_ceil(4 * sides_.size()), {});  // each edge of the cavity's sides once
+  for (const auto& [t, side] : sides_) {
     const Index made = take_place();
     const auto at_side = static_cast<std::size_t>(side);
     const Tetrahedron& old = at(t);
@@ -169,18 +184,9 @@ Index Delaunay::insert(const Point& p) {
       for (int k = 0; k < 4; ++k)
         if (k != other && k != side) edge[n++] = tetrahedron.nodes[static_cast<std::size_t>(k)];
       const auto [low, high] = std::minmax(edge[0], edge[1]);
-      rims_.push_back({(std::int64_t{low} << 32) | high, made, other});
+      join({(std::int64_t{low} << 32) | high, made, other});
     }
     last_ = made;
-  }
-  std::ranges::sort(rims_, [](const Rim& a, const Rim& b) {
-    return a.edge != b.edge ? a.edge < b.edge : a.tetrahedron < b.tetrahedron;
-  });
-  for (std::size_t i = 0; i + 1 < rims_.size(); i += 2) {
-    const Rim &a = rims_[i], &b = rims_[i + 1];
-    assert(a.edge == b.edge);
-    at(a.tetrahedron).neighbors[static_cast<std::size_t>(a.side)] = b.tetrahedron;
-    at(b.tetrahedron).neighbors[static_cast<std::size_t>(b.side)] = a.tetrahedron;
   }
   for (const Index t : cavity_) {
     is_in_cavity_[static_cast<std::size_t>(t)] = 0;

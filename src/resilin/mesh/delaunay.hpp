@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "resilin/core/types.hpp"
@@ -35,11 +36,11 @@ class Delaunay {
   Index num_points() const { return static_cast<Index>(points_.size()); }
 
  private:
-  /// Side of a tetrahedron that stays when a point is inserted, with the edge that a new one shares.
+  /// Side of a new tetrahedron by the edge that it shares with another new one.
   struct Rim {
-    std::int64_t edge;
-    Index tetrahedron;
-    int side;
+    std::int64_t edge = -1;  ///< -1: the slot is free
+    Index tetrahedron = -1;
+    int side = 0;
   };
 
   const Point& point(Index i) const { return points_[static_cast<std::size_t>(i)]; }
@@ -49,6 +50,7 @@ class Delaunay {
   bool is_in_sphere(const Tetrahedron& tetrahedron, const Point& p) const;
   Index find_around(const Point& p) const;
   Index take_place();
+  void join(const Rim& rim);
 
   std::vector<Point> points_;
   std::vector<Tetrahedron> tetrahedra_;
@@ -57,7 +59,8 @@ class Delaunay {
   // Work space of `insert`.
   std::vector<Index> cavity_;
   std::vector<std::uint8_t> is_in_cavity_;
-  std::vector<Rim> rims_;
+  std::vector<std::pair<Index, int>> sides_;  ///< sides of the cavity
+  std::vector<Rim> rims_;                     ///< open addressing, a power of two of slots
 };
 
 }  // namespace resilin

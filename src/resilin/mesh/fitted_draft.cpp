@@ -70,11 +70,25 @@ class PointCubes {
     const auto center = cube(X);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy)
-        for (int dz = -1; dz <= 1; ++dz) {
-          Index i = slots_[find(key({center[0] + dx, center[1] + dy, center[2] + dz}))].first;
-          for (; i >= 0; i = points_[static_cast<std::size_t>(i)].next)
-            visit(points_[static_cast<std::size_t>(i)].X, points_[static_cast<std::size_t>(i)].number);
-        }
+        for (int dz = -1; dz <= 1; ++dz)
+          any_in({center[0] + dx, center[1] + dy, center[2] + dz}, [&](const Vector3& point, Index number) {
+            visit(point, number);
+            return false;
+          });
+  }
+
+  /// Whether `is_met(point, number)` holds for one that is nearer than `radius`, at most the size of the
+  /// cubes; it may be asked of others too.
+  template <class IsMet>
+  bool any_near(const Vector3& X, double radius, const IsMet& is_met) const {
+    const auto center = cube(X), low = cube(X - Vector3::Constant(radius)),
+               high = cube(X + Vector3::Constant(radius));
+    if (any_in(center, is_met)) return true;  // most are met there
+    for (std::int64_t x = low[0]; x <= high[0]; ++x)
+      for (std::int64_t y = low[1]; y <= high[1]; ++y)
+        for (std::int64_t z = low[2]; z <= high[2]; ++z)
+          if (Cube{x, y, z} != center && any_in({x, y, z}, is_met)) return true;
+    return false;
   }
 
  private:
@@ -88,6 +102,15 @@ class PointCubes {
     Index number;
     Index next;  ///< point of the same cube, -1 after the last
   };
+
+  template <class IsMet>
+  bool any_in(const Cube& cube, const IsMet& is_met) const {
+    Index i = slots_[find(key(cube))].first;
+    for (; i >= 0; i = points_[static_cast<std::size_t>(i)].next)
+      if (is_met(points_[static_cast<std::size_t>(i)].X, points_[static_cast<std::size_t>(i)].number))
+        return true;
+    return false;
+  }
 
   Cube cube(const Vector3& X) const {
     Cube result{};
@@ -257,25 +280,21 @@ void FittedDraft::add_surface() {
     for (const std::size_t i : order) {
       const SurfacePlace& place = tried[i];
       const double size = size_near(place);
-      bool is_free = size > 0;
-      const auto check = [&](const Vector3& X, Index v) {
-        if (!is_free) return;
+      if (!(size > 0)) continue;
+      const auto is_too_near = [&](const Vector3& X, Index v) {
         const FittedVertex& other = vertices_[static_cast<std::size_t>(v)];
         const double distance = (X - place.X).norm();
-        if (other.kind != Kind::surface) {
-          is_free = distance >= feature_clearance * size;
-        } else if (other.normal.dot(place.normal) > 0.3) {
-          is_free = distance >= disk_radius * size;
-        } else {  // the other side of a thin wall
-          is_free = distance >= least_gap_;
-        }
+        if (other.kind != Kind::surface) return distance < feature_clearance * size;
+        if (other.normal.dot(place.normal) > 0.3) return distance < disk_radius * size;
+        return distance < least_gap_;  // the other side of a thin wall
       };
-      if (is_free) cubes.visit_near(place.X, check);
-      if (!is_free) continue;
-      on_lines.visit_near(place.X, [&](const Vector3& X, Index) {
-        if ((X - place.X).norm() < line_clearance * size) is_free = false;
-      });
-      if (!is_free || (places_->has_overlaps() && !places_->is_rim(place))) continue;
+      const double reach = std::max({feature_clearance * size, disk_radius * size, least_gap_});
+      if (cubes.any_near(place.X, reach, is_too_near)) continue;
+      const double clearance = line_clearance * size;
+      if (on_lines.any_near(place.X, clearance,
+                            [&](const Vector3& X, Index) { return (X - place.X).norm() < clearance; }))
+        continue;
+      if (places_->has_overlaps() && !places_->is_rim(place)) continue;
       const auto v = static_cast<Index>(vertices_.size());
       vertices_.push_back({.X = place.X,
                            .kind = Kind::surface,
@@ -290,7 +309,7 @@ void FittedDraft::add_surface() {
   const auto is_near_line = [&](const Vector3& place) {
     bool is_found = false;
     cubes.visit_near(place, [&](const Vector3&, Index v) {
-      if (vertices_[static_cast<std::size_t>(v)].kind != Kind::surface) is_found = true;
+      is_found = is_found || vertices_[static_cast<std::size_t>(v)].kind != Kind::surface;
     });
     return is_found;
   };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace resilin {
@@ -22,7 +23,13 @@ constexpr std::array<std::array<std::size_t, 3>, 4> face_nodes = {
 class TetrahedronImprover {
  public:
   TetrahedronImprover(TetrahedronSet& set, const VertexGuide& guide, double wanted)
-      : x_(set.positions), cells_(set.cells), guide_(guide), wanted_(wanted), star_(set.positions.size()) {
+      : x_(set.positions),
+        cells_(set.cells),
+        guide_(guide),
+        wanted_(wanted),
+        star_(set.positions.size()),
+        is_settled_(set.positions.size(), 0) {
+    for (const Nodes& cell : cells_) known_.push_back(quality(cell));
     for (std::size_t t = 0; t < cells_.size(); ++t) link(static_cast<Index>(t));
   }
 
@@ -51,12 +58,17 @@ class TetrahedronImprover {
   std::vector<Index>& star(Index v) { return star_[static_cast<std::size_t>(v)]; }
   const std::vector<Index>& star(Index v) const { return star_[static_cast<std::size_t>(v)]; }
   double quality(const Nodes& n) const { return least_sine({x(n[0]), x(n[1]), x(n[2]), x(n[3])}); }
-  double quality(Index t) const { return quality(nodes(t)); }
+  double quality(Index t) const { return known_[static_cast<std::size_t>(t)]; }
 
   void link(Index t) {
     for (const Index v : nodes(t)) star(v).push_back(t);
+    unsettle(t);
+  }
+  void unsettle(Index t) {
+    for (const Index v : nodes(t)) is_settled_[static_cast<std::size_t>(v)] = 0;
   }
   void remove(Index t) {
+    unsettle(t);
     for (const Index v : nodes(t)) std::erase(star(v), t);
     cells_[static_cast<std::size_t>(t)][0] = -1;
     free_.push_back(t);
@@ -64,11 +76,13 @@ class TetrahedronImprover {
   void add(const Nodes& cell) {
     if (free_.empty()) {
       cells_.push_back(cell);
+      known_.push_back(quality(cell));
       return link(static_cast<Index>(cells_.size()) - 1);
     }
     const Index t = free_.back();
     free_.pop_back();
     cells_[static_cast<std::size_t>(t)] = cell;
+    known_[static_cast<std::size_t>(t)] = quality(cell);
     link(t);
   }
   static bool has(const Nodes& cell, Index v) { return std::ranges::find(cell, v) != cell.end(); }
@@ -77,7 +91,7 @@ class TetrahedronImprover {
   double least_quality(double floor) const {
     double least = infinite_quality;
     for (const auto& [before, t] : worst_first_) {
-      least = std::min(least, quality(t));
+      least = std::min(least, quality(nodes(t)));
       if (least <= floor) break;
     }
     return least;
@@ -85,20 +99,21 @@ class TetrahedronImprover {
 
   /// Tries some places of a vertex and keeps the best. @return whether it has moved
   bool smooth(Index v, bool is_to_relax) {
-    if (star(v).empty()) return false;
+    if (star(v).empty() || is_settled_[static_cast<std::size_t>(v)] != 0) return false;
     const Vector3 old = x(v);
     double least = infinite_quality;
     Index worst = -1;
+    for (const Index t : star(v)) {
+      if (quality(t) >= least) continue;
+      least = quality(t);
+      worst = t;
+    }
+    if (!is_to_relax && least >= wanted_) return false;
     Vector3 middle = Vector3::Zero();
     double total = 0, size = 0;
     worst_first_.clear();
     for (const Index t : star(v)) {
-      const double q = quality(t);
-      worst_first_.emplace_back(q, t);
-      if (q < least) {
-        least = q;
-        worst = t;
-      }
+      worst_first_.emplace_back(quality(t), t);
       Vector3 sum = Vector3::Zero();
       for (const Index node : nodes(t)) sum += x(node);
       const Vector3 arm = x(nodes(t)[1]) - x(nodes(t)[0]);
@@ -108,7 +123,6 @@ class TetrahedronImprover {
       total += volume;
       size = std::max(size, (sum - 4 * old).norm() / 3);
     }
-    if (!is_to_relax && least >= wanted_) return false;
     std::ranges::sort(worst_first_);
     Vector3 best = old;
     double best_quality = least;
@@ -153,8 +167,15 @@ class TetrahedronImprover {
         for (const Vector3& direction : directions)
           if (!attempt(best + step * direction)) attempt(best - step * direction);
     }
-    if (best == old) return false;
+    if (best == old) {
+      is_settled_[static_cast<std::size_t>(v)] = 1;
+      return false;
+    }
     x_[static_cast<std::size_t>(v)] = best;
+    for (const Index t : star(v)) {
+      known_[static_cast<std::size_t>(t)] = quality(nodes(t));
+      unsettle(t);
+    }
     return true;
   }
 
@@ -324,6 +345,9 @@ class TetrahedronImprover {
   const VertexGuide& guide_;
   double wanted_;
   std::vector<std::vector<Index>> star_;  ///< cells of each vertex
+  std::vector<double> known_;             ///< quality of each cell
+  std::vector<std::uint8_t>
+      is_settled_;  ///< vertices whose places were tried in vain since their star changed
   std::vector<Index> free_;
   std::vector<std::pair<double, Index>>
       worst_first_;  ///< cells of the vertex that is moved, by their quality
@@ -340,18 +364,14 @@ double least_sine(const std::array<Vector3, 4>& corners) {
     areas[i] = (corners[q] - corners[p]).cross(corners[r] - corners[p]).squaredNorm();
   }
   // sin = 3 V l / (2 A B), with l the edge that the faces A and B share.
-  double least = infinite_quality, most = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = i + 1; j < 4; ++j) {
-      std::size_t k = 0;
-      while (k == i || k == j) ++k;
-      const std::size_t l = 6 - i - j - k;
-      const double divisor = areas[i] * areas[j];
-      if (!(divisor > 0)) return 0;
-      const double square = (corners[k] - corners[l]).squaredNorm() / divisor;
-      least = std::min(least, square);
-      most = std::max(most, square);
-    }
+  const double smallest = std::ranges::min(areas);
+  if (!(smallest * smallest > 0)) return 0;
+  const auto square = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
+    return (corners[k] - corners[l]).squaredNorm() / (areas[i] * areas[j]);
+  };
+  const std::array<double, 6> squares = {square(0, 1, 2, 3), square(0, 2, 1, 3), square(0, 3, 1, 2),
+                                         square(1, 2, 0, 3), square(1, 3, 0, 2), square(2, 3, 0, 1)};
+  const auto [least, most] = std::ranges::minmax(squares);
   return volume * std::sqrt(volume > 0 ? least : most);
 }
 

@@ -95,20 +95,8 @@ Vector3 SurfacePlaces::nearest_on(Index triangle, const Vector3& p) const {
 }
 
 SurfacePlace SurfacePlaces::nearest(const Vector3& p, Index hint) const {
-  const auto distance_to = [&](Index t) { return (nearest_on(t, p) - p).squaredNorm(); };
-  Index triangle = hint;
-  if (hint < 0) {
-    triangle = tree_.nearest(p, distance_to);
-  } else {
-    double least = distance_to(hint);
-    tree_.visit_where([&](const Box& box) { return box.squared_distance(p) <= least; },
-                      [&](Index t) {
-                        const double distance = distance_to(t);
-                        if (distance > least || (distance == least && t > triangle)) return;
-                        least = distance;
-                        triangle = t;
-                      });
-  }
+  const Index triangle =
+      tree_.nearest(p, [&](Index t) { return (nearest_on(t, p) - p).squaredNorm(); }, hint);
   return {nearest_on(triangle, p), areas_[static_cast<std::size_t>(triangle)].normalized(), triangle};
 }
 
