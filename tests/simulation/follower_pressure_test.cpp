@@ -64,7 +64,8 @@ TEST(FollowerPressure, HasAPotentialOnAClosedSurfaceOrWithHeldEdgesOnly) {
   }
 }
 
-/// By the symmetric part of the tangent alone these take 40 iterations to some hundreds, or do not converge.
+/// By the symmetric part of the tangent alone these take 40 iterations to some hundreds, or do not converge. A search for a
+/// jump, in halves of the last step of the softest bar, counts too: three searches of 10 iterations.
 TEST(FollowerPressure, ConvergesQuicklyWhereItHasNoPotential) {
   for (const int dimension : {2, 3}) {
     for (const double pressure : {200.0, 1000.0, 3000.0}) {
@@ -81,7 +82,7 @@ TEST(FollowerPressure, ConvergesQuicklyWhereItHasNoPotential) {
         EXPECT_LE(report.newton.residual, 1e-10 * report.newton.force_scale);
         iterations = std::max(iterations, report.newton.iterations);
       }
-      EXPECT_LE(iterations, 12);
+      EXPECT_LE(iterations, 36);
     }
   }
 }
