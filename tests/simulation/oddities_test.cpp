@@ -65,6 +65,28 @@ TEST(Oddities, NameCellsThatFoldBetweenTheirPoints) {
   }
 }
 
+/// A node in the middle of an edge goes into its cell: no point is inverted, two lose most of their volume.
+TEST(Oddities, NameCellsThatLoseTheirVolumeAtAPoint) {
+  for (const char* element : {"P2", "P2P0"}) {
+    Description scene = small_bar(2, true);
+    scene.bodies[0].element = element;
+    const World world(scene);
+    State state = Simulation(scene).state();
+    EXPECT_THAT(oddities(world, state), IsEmpty());
+    const Body& body = world.bodies[0];
+    const Index corner = body.cells[2], middle = body.cells[3];  // between corners 0 and 1
+    const auto place = [&](Index node) { return state.positions.segment(Eigen::Index{node} * 2, 2); };
+    place(middle) += 0.55 * (place(corner) - place(middle));
+    std::string all;
+    for (const std::string& line : oddities(world, state)) all += line;
+    if (std::string(element) == "P2")
+      EXPECT_THAT(all, ::testing::Not(HasSubstr("at a point")));
+    else
+      EXPECT_THAT(all, AllOf(HasSubstr("1 of 32 cells of \"body\""), HasSubstr("at a point, cell 0 most"),
+                             HasSubstr("compare with element = \"P2\"")));
+  }
+}
+
 TEST(Oddities, CountThemAsTheyAre) {
   Description scene = small_bar(3, false);
   scene.fixes[0].where.kind = Where::Kind::all;

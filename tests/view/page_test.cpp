@@ -66,6 +66,18 @@ TEST(ViewHeader, OfAPlaneHasYUp) {
   EXPECT_EQ(header["forces_per_metre"], true);
 }
 
+TEST(ViewHeader, SaysThatAPlaneIsAHalfSection) {
+  Description description = small_bar(2, true);
+  const auto header = [&description] {
+    const World world(description);
+    const ShownSurface surface(world);
+    return json::parse(encode_header({.title = {}, .version = {}, .fields = {}}, world, surface));
+  };
+  EXPECT_FALSE(header().contains("axisymmetric"));
+  description.bodies[0].element = "P1 axisymmetric";
+  EXPECT_EQ(header()["axisymmetric"], true);
+}
+
 TEST(ViewHeader, SaysThatForcesAreThoseOfTheThickness) {
   Description description = small_bar(2, true);
   description.thickness = 0.01;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "resilin/contact/crossing.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/element/axisymmetric.hpp"
 #include "resilin/element/jacobian_bound.hpp"
 #include "resilin/simulation/force_balance.hpp"
 #include "resilin/world/body_overlap.hpp"
@@ -40,6 +42,38 @@ std::string folding_text(const World& world, const Body& body, const InvertedCel
               ? ", although newton.inversion_bound = \"everywhere\" is set: use finer cells"
               : ": newton.inversion_bound = \"everywhere\" prevents this for laws that need J > 0; so do "
                 "finer cells");
+}
+
+/// Below this share of the mean over its cell the volume at a point is lost.
+constexpr double lost_at_a_point = 0.5;
+
+/// Cells of a mixed element that keep their volume as a whole and lose it at points.
+InvertedCells cells_with_lost_points(const Body& body, const VectorX& x) {
+  InvertedCells found;
+  if (!body.domains.element().has_mean_volume) return found;
+  const std::vector<double> ratios = body.domains.volume_ratios(x);
+  const auto num_points = static_cast<std::size_t>(body.domains.num_points());
+  for (std::size_t first = 0; first < ratios.size(); first += num_points) {
+    const auto points = std::span(ratios).subspan(first, num_points);
+    const double mean = std::accumulate(points.begin(), points.end(), 0.) / static_cast<double>(num_points);
+    const double least = std::ranges::min(points);
+    if (!(least > 0 && least < lost_at_a_point * mean)) continue;  // inverted ones are told apart
+    ++found.count;
+    if (found.worst >= 0 && least >= found.ratio) continue;
+    found.ratio = least;
+    found.worst = static_cast<Index>(first / num_points);
+  }
+  return found;
+}
+
+std::string lost_point_text(const World& world, const Body& body, const InvertedCells& lost) {
+  const std::string element = plane_name(body.element);
+  return world.place + ": " + std::to_string(lost.count) + " of " +
+         std::to_string(num_cells_of_all(world, body)) + " cells of \"" + body.name +
+         "\" keep their volume as a whole but lose more than half of it at a point, cell " +
+         std::to_string(lost.worst) + " most, with volume ratio " + format_short(lost.ratio) + ": " +
+         element + " permits this shape without a physical cause; compare with " +
+         (element == "P2P0" ? "element = \"P2\", or \"Q1P0\" on quadrilaterals or hexahedra" : "finer cells");
 }
 
 /// Those of all processes, the worst by its number in the whole body.
@@ -123,6 +157,10 @@ std::vector<std::string> oddities(const World& world, const State& state) {
     if (const InvertedCells folded = of_all(world, body, folded_cells(body, world, state.positions));
         folded.count > 0)
       found.push_back(folding_text(world, body, folded));
+  for (const Body& body : world.bodies)
+    if (const InvertedCells lost = of_all(world, body, cells_with_lost_points(body, state.positions));
+        lost.count > 0)
+      found.push_back(lost_point_text(world, body, lost));
   if (!world.is_dynamic)
     for (const std::string& text : describe_lost_digits(world, state))
       found.push_back(world.place + ": " + text);
