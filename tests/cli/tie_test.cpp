@@ -119,7 +119,8 @@ TEST_F(Ties, HoldBlocksTogetherThatFallFreely) {
 }
 
 TEST_F(Ties, RefuseWhatTheyCannotDo) {
-  EXPECT_THAT(error_with("body.upper.translate=[0,0,2]"), HasSubstr("face nothing within"));
+  EXPECT_THAT(error_with("body.upper.translate=[0,0,2]"), HasSubstr("m apart, got 1.5 m near"));
+  EXPECT_THAT(error_with("body.upper.translate=[0.5,0,0.5]"), HasSubstr("face nothing within"));
   EXPECT_THAT(error_with(R"(tie.0.surfaces=[{body="upper"}, {body="upper"}])"), HasSubstr("another body"));
   EXPECT_THAT(error_with(R"(tie.0.surfaces=[{body="upper"}, {body="uper"}])"),
               HasSubstr("one of lower, upper"));

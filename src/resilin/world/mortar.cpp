@@ -302,6 +302,10 @@ class Mortar {
       couplings.emplace_back(other, std::move(coupling));
     }
     if (!(covered >= least_coverage * whole)) {
+      if (const double distance = nearest_beyond_reach(plane, own); std::isfinite(distance))
+        throw InputError(place, "surfaces that are at most " + format_short(max_distance_) + " m apart",
+                         format_short(distance) + " m near " + place_of(nodes),
+                         "raise max_distance, or select the parts that meet");
       throw InputError(place, "a surface that lies on the other one",
                        "a facet near " + place_of(nodes) + " of which " +
                            format_short(100 * (1 - covered / whole)) + " % face nothing within " +
@@ -323,6 +327,24 @@ class Mortar {
           of_leader_[row_of_.at(nodes[static_cast<std::size_t>(a)])][leaders[static_cast<std::size_t>(k)]] +=
               weights(a, k);
     }
+  }
+
+  /// Distance of the nearest facet that faces this one from farther than the tie reaches [m]; infinite: none.
+  double nearest_beyond_reach(const Plane& plane, const Polygon& own) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (Index other = 0; other < leader_.num_cells(); ++other) {
+      const std::span<const Index> leaders = leader_.cell(other);
+      if (!(area_vector(dim_, leader_.kind, leaders, X_).normalized().dot(plane.normal) < -least_cosine))
+        continue;
+      const Polygon corners = flat_corners(plane, leader_, other);
+      if (!(size_of(overlap(own, corners)) > negligible_area * size_of(own))) continue;
+      double distance = 0;
+      for (std::size_t k = 0; k < corners.size(); ++k)
+        distance +=
+            std::abs(plane.height(node_position(dim_, leaders[k], X_))) / static_cast<double>(corners.size());
+      if (distance > max_distance_) nearest = std::min(nearest, distance);
+    }
+    return nearest;
   }
 
   std::string place_of(std::span<const Index> nodes) const {
