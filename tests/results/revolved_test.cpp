@@ -49,7 +49,7 @@ VtuContent section(CellKind triangles) {
     }
   }
   content.cell_data.push_back({"body", 1, {7, 8, 9}});
-  VtuValues stress{"cauchy_stress", 9, {}}, principal{"principal_stresses", 3, {}},
+  VtuValues stress{"cauchy_stress", 9, {}}, principal{"principal_stress", 3, {}},
       motion{"displacement", 3, {}};
   for (int cell = 0; cell < 3; ++cell) {
     stress.values.insert(stress.values.end(), {5, 1, 0, 1, 2, 0, 0, 0, 3});
@@ -109,7 +109,7 @@ TEST(Revolved, TurnsVectorsAndTensorsWithTheSection) {
     EXPECT_LT((Eigen::Map<const Vector3>(&motion[3 * v]) - expected).norm(), 1e-12);
   }
   const std::vector<double>& stress = array_of(body.cell_data, "cauchy_stress").values;
-  const std::vector<double>& principal = array_of(body.cell_data, "principal_stresses").values;
+  const std::vector<double>& principal = array_of(body.cell_data, "principal_stress").values;
   const std::vector<double>& numbers = array_of(body.cell_data, "body").values;
   std::size_t cell = 0;
   for (const CellBlock& block : body.file.mesh.blocks)
