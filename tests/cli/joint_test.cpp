@@ -13,6 +13,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Joints : Scenes {};
 
@@ -137,6 +138,81 @@ TEST_F(Joints, CloseALoop) {
   const json top = frame["rigid_bodies"]["top"];
   EXPECT_NEAR(double(top["rotation"][0]), 1, 1e-9);
   EXPECT_NEAR(double(top["position"][0]), 1 - std::sin(0.5), 2e-3);
+}
+
+// A slider at a dead centre moves by the square of the angle, a bar beside another one locks nothing.
+TEST_F(Joints, TellOfAMotorThatTheyLock) {
+  const auto words = [&](const std::string& scene) {
+    folder.write("scene.toml", scene);
+    const ProgramResult result = run_program(folder.path(), {"check", "scene.toml"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out + result.err;
+  };
+  const auto joint = [](const std::string& keys) {
+    return four_bar + "\n[[joint]]\nname = \"extra\"\n" + keys;
+  };
+  EXPECT_THAT(words(joint("kind = \"hinge\"\nbodies = [\"top\"]\nat = [1, 1]")),
+              HasSubstr("joint[0].motor: \"crank\" is locked: the joints \"joint[1]\" and \"extra\" hold "
+                        "\"left\"; leave one of these joints out"));
+  EXPECT_THAT(words(joint("kind = \"distance\"\nbodies = [\"left\"]\nat = [0, 1]\nto = [1, 0]")),
+              HasSubstr("\"crank\" is locked: the joint \"extra\" holds \"left\"; leave it out"));
+  const std::string beside =
+      joint("kind = \"distance\"\nbodies = [\"left\", \"right\"]\nat = [0, 0.5]\nto = [2, 0.5]");
+  EXPECT_THAT(words(beside), Not(HasSubstr("locked")));
+  const std::string at_a_dead_centre = four_bar.substr(0, four_bar.find("[[joint]]")) + R"(
+[contact]
+enabled = false
+
+[[joint]]
+name = "crank"
+kind = "hinge"
+bodies = ["top"]
+at = [0, 1]
+
+[[joint]]
+kind = "hinge"
+bodies = ["top", "right"]
+at = [2, 1]
+
+[[joint]]
+kind = "hinge"
+bodies = ["right", "left"]
+at = [3, 1]
+
+[[joint]]
+kind = "slider"
+bodies = ["left"]
+at = [3, 1]
+axis = [1, 0]
+motor = { force = -1 }
+)";
+  EXPECT_THAT(words(at_a_dead_centre), Not(HasSubstr("locked")));
+}
+
+// Strains of a thin rod would be differences of positions without digits.
+TEST_F(Joints, TurnThinRodsInShortSteps) {
+  const std::string rod = R"(
+[simulation]
+kind = "dynamic"
+time_step = 0.0005
+end_time = 0.005
+
+[[body]]
+name = "rod"
+mesh = { box = { size = [1, 0.01, 0.005], cells = [1, 1, 1] } }
+rigid = { density = 1000 }
+rotate = [0, 1, 1, 30]
+translate = [0.5, 0.5, 0.3]
+
+[[joint]]
+name = "pin"
+kind = "hinge"
+axis = [1, 2, 3]
+bodies = ["rod"]
+at = [0.5, 0.5, 0.3]
+motor = { velocity = 0.4 }
+)";
+  EXPECT_NEAR(double(frames_of(rod).back()["joints"]["pin"]["value"]), 0.002, 1e-8);
 }
 
 /// A box that hangs below the ground by one joint.

@@ -151,19 +151,22 @@ TEST(RigidRegions, AreHeldByTheirVertices) {
 }
 
 TEST(RigidRegions, AreJoined) {
-  Description scene = bar_with_rigid_end(3, false);
-  JointDescription hinge;
-  hinge.name = "hinge";
-  hinge.kind = JointKind::hinge;
-  hinge.bodies = {"body.tool"};
-  hinge.at = {1, 0.125, 0};
-  hinge.axis = {0, 1, 0};
-  scene.joints.push_back(hinge);
-  const Simulation simulation = converged_end_of(scene);
-  ASSERT_EQ(simulation.frame().joints.size(), 1U);
-  const double weight = 9.81 * 0.03125 * 3000;
-  const Vector3 sum = simulation.frame().joints[0].force + simulation.frame().reactions[0].second;
-  EXPECT_LT((sum - Vector3(0, 0, weight)).norm(), 1e-5 * weight);
+  // A ball joins the whole body at a vertex of the region, a hinge the region itself.
+  for (const bool is_hinge : {true, false}) {
+    Description scene = bar_with_rigid_end(3, false);
+    JointDescription joint;
+    joint.name = "joint";
+    joint.kind = is_hinge ? JointKind::hinge : JointKind::ball;
+    joint.bodies = {is_hinge ? "body.tool" : "body"};
+    joint.at = {1, 0.125, 0};
+    joint.axis = {0, 1, 0};
+    scene.joints.push_back(joint);
+    const Simulation simulation = converged_end_of(scene);
+    ASSERT_EQ(simulation.frame().joints.size(), 1U);
+    const double weight = 9.81 * 0.03125 * 3000;
+    const Vector3 sum = simulation.frame().joints[0].force + simulation.frame().reactions[0].second;
+    EXPECT_LT((sum - Vector3(0, 0, weight)).norm(), 1e-5 * weight);
+  }
 }
 
 /// Loads, colliders and results take the body as one.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "resilin/core/text.hpp"
@@ -216,6 +217,16 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
   return balances;
 }
 
+namespace {
+
+bool is_joined(const World& world, std::size_t body) {
+  return std::ranges::any_of(world.joints, [&](const Joint& joint) {
+    return std::ranges::find(joint.bodies, body) != joint.bodies.end();
+  });
+}
+
+}  // namespace
+
 std::string describe_imbalance(const World& world, const Potential& potential, const VectorX& x,
                                const VectorX& gradient, const NewtonReport& report,
                                const VectorX& displacement) {
@@ -224,10 +235,21 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   };
   const std::vector<VectorX> acting = acting_on_bodies(world, potential, x, gradient);
   const std::vector<ForceBalance> forces = measure_balance(world, gradient, acting);
+  // Forces on joined bodies add up to one residual: a body without any has the rounding of the others'.
+  const ConnectedComponents parts(*world.pattern, world.share);
+  std::map<Index, double> scale_of_part;
+  const auto part_of = [&](std::size_t b) { return parts.of_node(world.bodies[b].first_node); };
+  for (std::size_t b = 0; b < forces.size(); ++b)
+    if (is_joined(world, b)) {
+      double& scale = scale_of_part[part_of(b)];
+      scale = std::max(scale, forces[b].scale);
+    }
   for (std::size_t b = 0; b < forces.size(); ++b) {
     const ForceBalance& balance = forces[b];
-    if (!is_missing(balance.gap(), balance.scale, rounding_of(world, world.bodies[b], report.rounding)))
-      continue;
+    double rounding = rounding_of(world, world.bodies[b], report.rounding);
+    if (is_joined(world, b))
+      rounding = std::max(rounding, world.newton.tolerance * scale_of_part.at(part_of(b)));
+    if (!is_missing(balance.gap(), balance.scale, rounding)) continue;
     return gap_text(world.bodies[b], balance);
   }
   if (displacement.size() == 0 || world.share.all(displacement.isZero(0))) return {};

@@ -7,6 +7,8 @@
 #include "resilin/core/dense.hpp"
 #include "resilin/core/error.hpp"
 #include "resilin/core/text.hpp"
+#include "resilin/mesh/second_moments.hpp"
+#include "resilin/world/constraints.hpp"
 #include "resilin/world/joint_maker.hpp"
 #include "resilin/world/linear_constraints.hpp"
 #include "resilin/world/rigid_shape.hpp"
@@ -23,20 +25,21 @@ constexpr double orthogonality = 1e-6;
 CarriedPoint carried(World& world, const Body* body, const Vector3& at, const std::string& place) {
   if (body == nullptr) return {.nodes = {}, .place = at};
   Probe probe = find_probe({.place = place, .name = "", .body = body->name, .at = at}, *body, world);
-  if (probe.carriers.empty()) return {.nodes = {{probe.node, 1}}};
+  if (probe.carriers.empty()) {
+    for (const Body& region : world.bodies) {
+      // A vertex of a rigid region follows its control nodes: they bear the force of the joint.
+      if (!region.rigid || region.rigid->region_of != body->name) continue;
+      if (!std::ranges::binary_search(followers_of(world, region), probe.node)) continue;
+      const VectorX shares =
+          region.rigid->weights(node_position(world.dimension, probe.node, world.rest_positions));
+      CarriedPoint point;
+      for (Eigen::Index a = 0; a < shares.size(); ++a)
+        point.nodes.push_back({region.first_node + static_cast<Index>(a), shares[a]});
+      return point;
+    }
+    return {.nodes = {{probe.node, 1}}};
+  }
   return {.nodes = std::move(probe.carriers)};
-}
-
-/// The angle of a hinge, or the way of a slider.
-JointCoordinate coordinate_of(const Joint& joint, int dim) {
-  const Joint::Frame &moved = joint.moved, &fixed = joint.fixed;
-  const double length = joint.length;
-  if (joint.kind == JointKind::hinge)
-    return JointCoordinate::angle(dim, vector_between(moved.at, moved.along, length),
-                                  vector_between(fixed.at, fixed.along, length),
-                                  vector_between(fixed.at, fixed.across, length));
-  return JointCoordinate::travel(dim, vector_between(fixed.at, moved.at),
-                                 vector_between(fixed.at, fixed.axis, length));
 }
 
 double extent_of_joint(const World& world, const std::vector<const Body*>& bodies) {
@@ -48,24 +51,26 @@ double extent_of_joint(const World& world, const std::vector<const Body*>& bodie
   return extent > 0 ? extent : 1;
 }
 
-double modulus_of_joint(const std::vector<const Body*>& bodies) {
-  double modulus = 0;
-  for (const Body* body : bodies)
-    if (body != nullptr && body->rigid) modulus = std::max(modulus, body->rigid->modulus);
-  return modulus;
-}
-
-/// Stiffness of the energies that hold a point of a joint [N/m].
-double force_stiffness(const std::vector<const Body*>& bodies, double length, int dim) {
-  return modulus_of_joint(bodies) * (dim == 3 ? length : 1);
+/// Stiffness of the energies that hold a point of a joint: E V / L^2, that of the stiffer body against being
+/// stretched along its extent L [N/m].
+double force_stiffness(const World& world, const std::vector<const Body*>& bodies) {
+  double stiffness = 0;
+  for (const Body* body : bodies) {
+    if (body == nullptr || !body->rigid) continue;
+    const RigidShape& shape = *body->rigid;
+    const double extent = largest_extent(shape.body, shape.rest_positions, world.dimension);
+    const double volume =
+        second_moments(shape.body.cell_kind, shape.body.cells, shape.rest_positions, world.dimension).size();
+    stiffness = std::max(stiffness, shape.modulus * volume / (extent * extent));
+  }
+  return stiffness;
 }
 
 /// Stiffness of stops and motors: of an angle [N m], of a way [N/m].
 double stiffness_of_value(const Joint& joint, const World& world) {
   std::vector<const Body*> bodies;
   for (const std::size_t body : joint.bodies) bodies.push_back(&world.bodies[body]);
-  return force_stiffness(bodies, joint.length, world.dimension) *
-         (joint.kind == JointKind::hinge ? joint.length * joint.length : 1);
+  return force_stiffness(world, bodies) * (joint.kind == JointKind::hinge ? joint.length * joint.length : 1);
 }
 
 /// The two bodies of a joint; the second one is null for the ground.
@@ -95,7 +100,7 @@ class JointMaker {
         dim_(world.dimension),
         bodies_(bodies_of(description, world)),
         length_(extent_of_joint(world, bodies_)),
-        force_stiffness_(force_stiffness(bodies_, length_, dim_)) {}
+        force_stiffness_(force_stiffness(world, bodies_)) {}
 
   Joint make() {
     joint_ = {.name = description_.name, .kind = description_.kind, .length = length_};
@@ -472,6 +477,17 @@ void add_forces_of_energies(const World& world, const Joint& joint, const Condit
 }
 
 }  // namespace
+
+JointCoordinate coordinate_of(const Joint& joint, int dim) {
+  const Joint::Frame &moved = joint.moved, &fixed = joint.fixed;
+  const double length = joint.length;
+  if (joint.kind == JointKind::hinge)
+    return JointCoordinate::angle(dim, vector_between(moved.at, moved.along, length),
+                                  vector_between(fixed.at, fixed.along, length),
+                                  vector_between(fixed.at, fixed.across, length));
+  return JointCoordinate::travel(dim, vector_between(fixed.at, moved.at),
+                                 vector_between(fixed.at, fixed.axis, length));
+}
 
 Joint make_joint(const JointDescription& description, World& world,
                  std::vector<std::shared_ptr<Energy>>& terms) {

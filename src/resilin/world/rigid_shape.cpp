@@ -27,6 +27,9 @@ constexpr double flatness = 1e-6;
 /// Control nodes with a diagonal mass matrix lie far away when the held point is near the centre of mass:
 /// below this share of the mass elsewhere the matrix is a full one.
 constexpr double least_share_elsewhere = 0.1;
+/// The cell of the control nodes is at least so wide, in parts of its greatest width: strains of a thinner
+/// one would be differences of positions without digits.
+constexpr double least_width = 0.2;
 // Young's modulus against stretching, in parts of what a body meets: stretches are about the inverse
 // (docs/rigid.md).
 constexpr double over_soft_bodies = 1e5, over_inertia = 1e3, over_stresses = 1e6;
@@ -98,10 +101,14 @@ Dense orthonormal(const Dense& vectors, Eigen::Index most) {
   return basis;
 }
 
-/// In coordinates y in which the body has unit second moments about its centre of mass, the mass matrix of
-/// control nodes y_a is m (P P^T)^-1, the rows of P being (1, y_a). It is diagonal where these rows are
-/// orthogonal: any orthonormal basis gives such nodes, and the first of it may span a point or a line.
-void place_control_nodes(const Hull* held, const Vector3& centre, const Dense& L, RigidShape& shape) {
+/// In coordinates y in which the body has the diagonal second moments S about its centre of mass, the mass
+/// matrix of control nodes y_a is m P^-T diag(1, S) P^-1, the rows of P being (1, y_a). With S = 1 it is
+/// diagonal where these rows are orthogonal: any orthonormal basis gives such nodes, and the first of it may
+/// span a point or a line.
+/// @param L  X = centre + L y
+/// @param S  less than one where the body is thinner than its cell
+void place_control_nodes(const Hull* held, const Vector3& centre, const Dense& L, const VectorX& S,
+                         RigidShape& shape) {
   const Eigen::Index n = shape.dimension() + 1;
   const Dense L_inverse = dense::inverse(L);
   const auto y_of = [&](const Vector3& X) {
@@ -151,7 +158,10 @@ void place_control_nodes(const Hull* held, const Vector3& centre, const Dense& L
     P.row(n - 2).swap(P.row(n - 1));
     std::swap(shape.control_nodes[static_cast<std::size_t>(n - 2)], shape.control_nodes.back());
   }
-  shape.masses = shape.mass * dense::inverse(P * P.transpose());
+  VectorX moments(n);
+  moments << 1, S;
+  const Dense P_inverse = dense::inverse(P);
+  shape.masses = shape.mass * (P_inverse.transpose() * moments.asDiagonal() * P_inverse);
   const double rounding = 1e-10 * shape.masses.cwiseAbs().maxCoeff();
   shape.masses = shape.masses.unaryExpr([rounding](double m) { return std::abs(m) > rounding ? m : 0.0; });
 }
@@ -237,9 +247,12 @@ class Maker {
     const dense::Eigenpairs axes = dense::symmetric_eigenpairs(second);
     if (!(axes.values[0] > square(1e-6 * extent)))
       throw InputError(given.place + ".rigid", "a body with a volume", "a flat one");
-    const Dense L = axes.vectors * axes.values.cwiseSqrt().asDiagonal();
+    const VectorX widths = axes.values.cwiseSqrt();
+    const VectorX of_cell = widths.cwiseMax(least_width * widths.maxCoeff());
+    const VectorX thinness = widths.cwiseQuotient(of_cell);
+    const Dense L = axes.vectors * of_cell.asDiagonal();
     const std::optional<Hull> held = held_place(given, *shape, extent);
-    place_control_nodes(held ? &*held : nullptr, moments.mean(), L, *shape);
+    place_control_nodes(held ? &*held : nullptr, moments.mean(), L, thinness.cwiseAbs2(), *shape);
     shape->centre_shares = shape->masses.rowwise().sum() / shape->mass;
     if (density == 0) {
       shape->mass = 0;
@@ -250,7 +263,7 @@ class Maker {
     shape->modulus = moduli.of_stretching;
     shape->has_own_skin = given.skin.has_value();
     shape->region_of = rigid.region_of;
-    describe(given, *shape, moduli.of_stretching, made);
+    describe(given, *shape, moduli.of_stretching * thinness.prod(), made);
     return shape;
   }
 

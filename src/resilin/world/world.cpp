@@ -200,6 +200,8 @@ void Builder::build() {
   const bool finds_equilibrium = !world_.is_dynamic && (!world_.modes || world_.modes->is_loaded);
   check_releases(description_, world_);
   if (finds_equilibrium && world_.switch_times.empty()) check_is_held(world_);
+  if (world_.switch_times.empty())
+    for (std::string& line : locked_motors(description_, world_)) world_.warnings.push_back(std::move(line));
   find_oddities();
 }
 
