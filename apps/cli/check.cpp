@@ -124,7 +124,8 @@ void print_scene(const Scene& scene, const World& world) {
     for (const Domain& domain : body.domains) {
       if (has_regions)
         rows.push_back({domain.name.empty() ? "  other cells" : "  region " + one_line(domain.name),
-                        domain.law + ", " + std::to_string(domain.energy->num_cells()) + " cells, density " +
+                        domain.law + ", " + std::to_string(domain.energy->num_cells()) +
+                            (domain.energy->num_cells() == 1 ? " cell" : " cells") + ", density " +
                             format_short(domain.density) + " kg/m^3"});
       for (const auto& [constant, value] : domain.constants)
         rows.push_back({(has_regions ? "    " : "  ") + constant, format_short(value)});

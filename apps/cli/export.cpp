@@ -81,7 +81,7 @@ std::string read_engine(const std::filesystem::path& path) {
 std::string cells_of(const World& world) {
   Offset cells = 0;
   for (const Body& body : world.bodies) cells += body.num_cells();
-  return std::to_string(cells) + " cells to play with";
+  return std::to_string(cells) + (cells == 1 ? " cell" : " cells") + " to play with";
 }
 
 void write_page(const ExportOptions& options, const std::string& page, const std::string& what) {

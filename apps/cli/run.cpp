@@ -62,9 +62,9 @@ void print_start(const RunOptions& options, const Simulation& simulation) {
   for (const Body& body : world.bodies) cells += body.num_cells();
   print_line(one_line(world.title.empty() ? options.scene : world.title) + ": " +
              std::to_string(world.bodies.size()) + (world.bodies.size() == 1 ? " body, " : " bodies, ") +
-             std::to_string(cells) + " cells, " + std::to_string(world.num_free_unknowns()) + " DOFs, " +
-             std::string(simulation.solver_name()) + ", " + std::to_string(num_threads()) +
-             (num_threads() == 1 ? " thread" : " threads"));
+             std::to_string(cells) + (cells == 1 ? " cell, " : " cells, ") +
+             std::to_string(world.num_free_unknowns()) + " DOFs, " + std::string(simulation.solver_name()) +
+             ", " + std::to_string(num_threads()) + (num_threads() == 1 ? " thread" : " threads"));
   constexpr std::size_t most_conditions = 10;  // lines of each kind
   print_conditions(world, most_conditions);
 }

@@ -47,7 +47,8 @@ void print_start(const Speaker& speaker, const RunOptions& options, const Shared
   const World& world = *scene.world;
   const std::size_t bodies = world.bodies.size();
   speaker.line(one_line(world.title.empty() ? options.scene : world.title) + ": " + std::to_string(bodies) +
-               (bodies == 1 ? " body, " : " bodies, ") + std::to_string(scene.whole.num_cells) + " cells, " +
+               (bodies == 1 ? " body, " : " bodies, ") + std::to_string(scene.whole.num_cells) +
+               (scene.whole.num_cells == 1 ? " cell, " : " cells, ") +
                std::to_string(scene.whole.num_free_unknowns) + " DOFs, " +
                std::string(simulation.solver_name()) + ", " + std::to_string(num_processes()) + " processes");
 }

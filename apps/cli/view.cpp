@@ -101,8 +101,9 @@ int view_scene(const ViewOptions& options) {
   Offset cells = 0;
   for (const Body& body : scene->world().bodies) cells += body.num_cells();
   const std::string title = scene->world().title;
-  print_line(one_line(title.empty() ? options.shown : title) + ": " + std::to_string(cells) + " cells, " +
-             std::to_string(scene->num_vertices()) + " vertices drawn, " + std::to_string(num_threads()) +
+  print_line(one_line(title.empty() ? options.shown : title) + ": " + std::to_string(cells) +
+             (cells == 1 ? " cell, " : " cells, ") + std::to_string(scene->num_vertices()) +
+             " vertices drawn, " + std::to_string(num_threads()) +
              (num_threads() == 1 ? " thread" : " threads"));
   const viewer::OpenFile open = [](const std::string& name, std::string bytes) {
     return viewer::served_scene(
