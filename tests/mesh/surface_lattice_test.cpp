@@ -18,6 +18,7 @@
 #include "resilin/mesh/embedding.hpp"
 #include "resilin/mesh/generators.hpp"
 #include "resilin/mesh/quality.hpp"
+#include "resilin/mesh/solid_surface.hpp"
 #include "resilin/mesh/topology.hpp"
 #include "resilin/mesh/winding_number.hpp"
 #include "round_skin.hpp"
@@ -311,6 +312,16 @@ TEST(SurfaceLattice, WhatEnclosesNothingIsRefusedInWords) {
   EXPECT_THAT(refusal_of(huge), HasSubstr("finite"));
   EXPECT_THAT(refusal_of(ball_surface(1, Vector3::Zero(), 1), 0), HasSubstr("from 1 to 2000000, got 0"));
   EXPECT_THAT(refusal_of(ball_surface(1, Vector3::Zero(), 1), 2000001), HasSubstr("got 2000001"));
+}
+
+TEST(SolidSurface, CopiesOfTrianglesCountOnce) {
+  const Mesh ball = ball_surface(1, Vector3::Zero(), 1);
+  Mesh doubled = ball;
+  std::vector<Index>& nodes = doubled.blocks[0].nodes;
+  nodes.insert(nodes.end(), {nodes[1], nodes[2], nodes[0], nodes[3], nodes[4], nodes[5]});
+  const SolidSurface once = make_solid_surface(ball, "a"), twice = make_solid_surface(doubled, "a");
+  EXPECT_DOUBLE_EQ(twice.volume, once.volume);
+  EXPECT_DOUBLE_EQ(twice.area, once.area);
 }
 
 /// A ball, and one with a cavity, whose walls cancel each other's dipoles.

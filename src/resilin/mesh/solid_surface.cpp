@@ -3,7 +3,10 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "resilin/core/error.hpp"
@@ -119,6 +122,19 @@ void drop_collapsed(CellBlock& triangles) {
   triangles.nodes = std::move(kept);
 }
 
+/// Keeps one of triangles with the same vertices that are wound alike.
+void drop_copies(CellBlock& triangles) {
+  std::set<std::array<Index, 3>> seen;
+  std::vector<Index> kept;
+  for (Index t = 0; t < triangles.num_cells(); ++t) {
+    const auto nodes = triangles.cell(t);
+    std::array<Index, 3> key = {nodes[0], nodes[1], nodes[2]};
+    std::ranges::rotate(key, std::ranges::min_element(key));
+    if (seen.insert(key).second) kept.insert(kept.end(), nodes.begin(), nodes.end());
+  }
+  triangles.nodes = std::move(kept);
+}
+
 /// Least area of lids on the holes: the area vectors of a closed surface sum to zero.
 double area_of_lids(const Mesh& mesh, const CellBlock& triangles) {
   Vector3 sum = Vector3::Zero();
@@ -171,6 +187,7 @@ SolidSurface make_solid_surface(const Mesh& mesh, const std::string& name) {
   surface.mesh.cell_fields.clear();
   merge_duplicate_vertices(surface.mesh);
   drop_collapsed(surface.mesh.blocks[0]);
+  drop_copies(surface.mesh.blocks[0]);
   remove_unused_nodes(surface.mesh);
   CellBlock& block = surface.mesh.blocks[0];
   for (const double area : triangle_areas(surface.mesh, block)) surface.area += area;

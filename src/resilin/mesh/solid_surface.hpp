@@ -7,7 +7,7 @@
 
 namespace resilin {
 
-/// A surface of triangles as the rim of a solid: every place once, no triangle that has collapsed,
+/// A surface of triangles as the rim of a solid: every place once, no triangle twice or collapsed,
 /// neighbours wound alike.
 struct SolidSurface {
   Mesh mesh;                       ///< triangles alone
