@@ -3,6 +3,7 @@
 
 #include "command.hpp"
 #include "resilin/core/error.hpp"
+#include "resilin/core/text.hpp"
 #include "resilin/results/revolved.hpp"
 #include "terminal.hpp"
 
@@ -17,9 +18,10 @@ struct RevolveCommand {
 int revolve(const RevolveCommand& command) {
   const double angle = command.revolution.angle;
   if (!(angle > 0 && angle <= 360))
-    throw InputError("--angle", "an angle above 0 and at most 360 degrees", std::to_string(angle));
+    throw InputError("--angle", "an angle above 0 and at most 360 degrees", format_short(angle));
   const std::size_t frames = write_revolved(command.folder, command.revolution);
-  print_line(command.folder + "/revolved.pvd: " + std::to_string(frames) + " frames for ParaView");
+  print_line(one_line(command.folder) + "/revolved.pvd: " + std::to_string(frames) +
+             (frames == 1 ? " frame" : " frames") + " for ParaView");
   return done;
 }
 
@@ -43,9 +45,8 @@ void add_revolve(CommandLine& line, Action& action) {
       .shows_default();
   command.footer(
       "Example:\n  resilin revolve out/o_ring --angle 180\n\n"
-      "The files are DIR/revolved.pvd and, with colliders, DIR/revolved_colliders.pvd. Vectors and tensors "
-      "turn\n"
-      "with the section. The axis of the body is the y axis of the files, as in the frames of the run.");
+      "The files are DIR/revolved.pvd and, with colliders, DIR/revolved_colliders.pvd.\n"
+      "Vectors and tensors turn with the section. The axis of the body is the y axis.");
   command.on_chosen([options, &action] { action = [options] { return revolve(*options); }; });
 }
 

@@ -60,7 +60,7 @@ TEST_F(Commands, ThatDoNotExistAreRefusedInOneLine) {
 TEST_F(Commands, ExplainThemselvesWithAnExample) {
   EXPECT_EQ(run({"--help"}).exit_code, 0);
   for (const std::string command : {"run", "view", "check", "gradcheck", "rest-shape", "mesh", "materials",
-                                    "fit", "plot", "info", "doctor", "completion"}) {
+                                    "fit", "plot", "revolve", "info", "doctor", "completion"}) {
     const ProgramResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.out, HasSubstr("Example"));

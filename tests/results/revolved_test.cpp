@@ -80,7 +80,7 @@ double volume(const CellBlock& block, Index cell, const std::vector<Vector3>& ve
   return sum;
 }
 
-TEST(Revolved, FillsTheTurnWithCellsThatAreNotInsideOut) {
+TEST(Revolved, FillsTheTurnWithoutInvertedCells) {
   for (const CellKind triangles : {CellKind::triangle, CellKind::triangle6})
     for (const double angle : {90., 270., 360.}) {
       const int sectors = 20;
@@ -134,14 +134,25 @@ TEST(Revolved, FramesOfARunAreWrittenBesideIt) {
   run_into(folder / "plane", scene, 0);
   EXPECT_THAT(refusal(folder / "plane"),
               ::testing::HasSubstr("expected an axisymmetric run, got a plane one"));
-  EXPECT_THAT(refusal(folder / "none"), ::testing::HasSubstr("a run with frames"));
+  EXPECT_THAT(refusal(folder / "none"), ::testing::HasSubstr("the folder of a run"));
   scene.bodies[0].element = axisymmetric_name("P1");
+  scene.colliders.emplace_back().shape.point = {0, -1, 0};
   run_into(folder / "ring", scene, 0);
   const std::size_t frames = write_revolved(folder / "ring", {.angle = 180, .sectors = 6});
   EXPECT_GT(frames, 1U);
   const VtuContent last = read_vtu(folder / "ring/revolved" / "0001.vtu");
   EXPECT_FALSE(last.file.mesh.blocks.empty());
   EXPECT_TRUE(std::filesystem::exists(folder / "ring/revolved.pvd"));
+  // The line of the floor reaches beyond the axis; the half turn of a part there would be on the other side.
+  EXPECT_TRUE(std::filesystem::exists(folder / "ring/revolved_colliders.pvd"));
+  const Mesh floor = read_vtu(folder / "ring/revolved" / "collider_0000.vtu").file.mesh;
+  ASSERT_FALSE(floor.blocks.empty());
+  for (const CellBlock& block : floor.blocks)
+    for (const Index node : block.nodes) {
+      const Vector3& place = floor.vertices[static_cast<std::size_t>(node)];
+      EXPECT_LT(place.z(), 1e-12);
+      EXPECT_EQ(place.y(), -1);
+    }
 }
 
 }  // namespace

@@ -588,7 +588,11 @@ class Translation:
         first, last = curve.points[0][0], curve.points[-1][0]
         if curve.interpolation == "STEP" or curve.extension not in ("CONSTANT", "EXTRAPOLATE"):
             raise InexpressibleError(f"Discrete: {kind} with steps or repetitions")
-        elongations = np.linspace(first, last, 1 if first == last else 1001)
+        if first == last:
+            raise InexpressibleError(f"Discrete: {kind} by one point")
+        elongations = [point[0] for point in curve.points]
+        if curve.interpolation != "LINEAR":
+            elongations = np.union1d(elongations, np.linspace(first, last, 1001))
         rows = [[float(e), scale * curve(float(e))] for e in elongations]
         if curve.extension == "CONSTANT":
             rows = [[first - (last - first), rows[0][1]], *rows, [last + (last - first), rows[-1][1]]]

@@ -27,13 +27,18 @@ VtuContent collider_content(const World& world, const State& state) {
   return content;
 }
 
-Mesh saved_colliders(const std::filesystem::path& frame_file) {
+std::filesystem::path saved_collider_file(const std::filesystem::path& frame_file) {
   const std::filesystem::path frames = std::filesystem::absolute(frame_file).parent_path();
   if (frames.filename() != "frames") return {};
   const std::filesystem::path folder = frames.parent_path() / folder_name;
   for (const std::filesystem::path& file : {folder / frame_file.filename(), folder / numbered_vtu(0)})
-    if (std::filesystem::is_regular_file(file)) return read_vtu(file).file.mesh;
+    if (std::filesystem::is_regular_file(file)) return file;
   return {};
+}
+
+Mesh saved_colliders(const std::filesystem::path& frame_file) {
+  const std::filesystem::path file = saved_collider_file(frame_file);
+  return file.empty() ? Mesh() : read_vtu(file).file.mesh;
 }
 
 void remove_collider_files(const std::filesystem::path& folder, std::size_t end) {

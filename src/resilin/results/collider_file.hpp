@@ -19,7 +19,9 @@ bool has_colliders(const World& world);
 /// Triangles, lines and points with the number of the collider.
 VtuContent collider_content(const World& world, const State& state);
 
-/// Collider file beside the file of a frame, frames/NNNN.vtu; empty without colliders.
+/// Collider file beside the file of a frame, frames/NNNN.vtu, and what it holds; both empty without
+/// colliders.
+std::filesystem::path saved_collider_file(const std::filesystem::path& frame_file);
 Mesh saved_colliders(const std::filesystem::path& frame_file);
 
 /// Takes away those of frames from `end` on.

@@ -83,7 +83,7 @@ std::vector<Index> between_layers(const std::vector<Index>& corners, Index first
   return nodes;
 }
 
-/// A linear cell of the section, and the cell of the frame that its values are those of.
+/// A linear cell of the section, and the number of the cell in the frame whose values it takes.
 struct SectionCell {
   std::vector<Index> corners;
   std::size_t number;
@@ -99,6 +99,48 @@ std::vector<SectionCell> section_cells(const Mesh& mesh) {
   // Kind by kind, as the blocks of the revolved mesh hold them.
   std::ranges::stable_sort(cells, {}, [](const SectionCell& cell) { return cell.corners.size(); });
   return cells;
+}
+
+/// Lines of colliders, which reach beyond the axis, without their part there. They have values by cell alone.
+VtuContent cut_at_axis(VtuContent content) {
+  VtuContent cut;
+  cut.time = content.time;
+  std::vector<Vector3>& vertices = cut.file.mesh.vertices;
+  vertices = content.file.mesh.vertices;
+  std::vector<std::size_t> kept;
+  std::size_t number = 0;
+  for (const CellBlock& block : content.file.mesh.blocks)
+    for (Index i = 0; i < block.num_cells(); ++i, ++number) {
+      if (block.kind != CellKind::line) continue;
+      std::array<Index, 2> ends = {block.cell(i)[0], block.cell(i)[1]};
+      const Vector3 a = vertices[static_cast<std::size_t>(ends[0])],
+                    b = vertices[static_cast<std::size_t>(ends[1])];
+      if (std::max(a.x(), b.x()) <= 0) continue;
+      if (std::min(a.x(), b.x()) < 0) {
+        ends[a.x() < 0 ? 0 : 1] = static_cast<Index>(vertices.size());
+        Vector3 on_axis = a + a.x() / (a.x() - b.x()) * (b - a);
+        on_axis.x() = 0;
+        vertices.push_back(on_axis);
+      }
+      std::vector<Index>& nodes = cut.file.mesh.block(CellKind::line).nodes;
+      nodes.insert(nodes.end(), ends.begin(), ends.end());
+      kept.push_back(number);
+    }
+  for (const VtuValues& array : content.cell_data) {
+    VtuValues& made = cut.cell_data.emplace_back(array.name, array.components, std::vector<double>());
+    const auto width = static_cast<std::ptrdiff_t>(array.components);
+    for (const std::size_t cell : kept) {
+      const auto first = array.values.begin() + static_cast<std::ptrdiff_t>(cell) * width;
+      made.values.insert(made.values.end(), first, first + width);
+    }
+  }
+  return cut;
+}
+
+/// Takes away the numbered files of a run that was longer.
+void remove_files_from(const std::filesystem::path& folder, const std::string& prefix, std::size_t end) {
+  std::error_code error;
+  while (std::filesystem::remove(folder / (prefix + numbered_vtu(end)), error)) ++end;
 }
 
 void write_list(const std::filesystem::path& file, const std::vector<double>& times,
@@ -158,14 +200,16 @@ std::size_t write_revolved(const std::filesystem::path& folder, const Revolution
   const std::vector<std::filesystem::path> files = frame_files(folder);
   const std::shared_ptr<const World> world = saved_world(folder);
   const std::string place = one_line(folder.string());
-  if (files.empty() || !world)
-    throw InputError(place, "the folder of a run with frames", "none",
-                     "run the scene with \"vtu\" among output.formats");
+  if (!world)
+    throw InputError(place, "the folder of a run", "none of scene.bin", "name the folder given by --out");
+  if (files.empty())
+    throw InputError(place, "frames of the run in one file each", "none",
+                     "run the scene with \"vtu\" among output.formats, in one process");
   if (!is_axisymmetric(*world))
     throw InputError(place, "an axisymmetric run", world->dimension == 2 ? "a plane one" : "one in 3D",
                      "only a half section can be revolved; dimension = \"axisymmetric\" makes one");
   std::filesystem::create_directories(folder / "revolved");
-  std::vector<double> times;
+  std::vector<double> times, collider_times;
   std::vector<std::string> names, collider_names;
   for (const std::filesystem::path& file : files) {
     const std::string name = file.filename().string();
@@ -174,14 +218,23 @@ std::size_t write_revolved(const std::filesystem::path& folder, const Revolution
     times.push_back(content.time.value_or(static_cast<double>(times.size())));
     names.push_back("revolved/" + name);
     if (!has_colliders(*world)) continue;
-    const std::filesystem::path colliders = collider_file_name(*world, names.size() - 1);
+    const std::filesystem::path colliders = saved_collider_file(file);
+    if (colliders.empty()) continue;
     const std::string shown = "revolved/collider_" + colliders.filename().string();
     const bool is_new = collider_names.empty() || collider_names.back() != shown;
-    if (is_new) write_frame(folder / shown, revolved(read_vtu(folder / colliders), revolution));
+    if (is_new) write_frame(folder / shown, revolved(cut_at_axis(read_vtu(colliders)), revolution));
+    collider_times.push_back(times.back());
     collider_names.push_back(shown);
   }
   write_list(folder / "revolved.pvd", times, names);
-  if (!collider_names.empty()) write_list(folder / "revolved_colliders.pvd", times, collider_names);
+  remove_files_from(folder / "revolved", "", files.size());
+  const std::filesystem::path list_of_colliders = folder / "revolved_colliders.pvd";
+  if (collider_names.empty()) {
+    std::filesystem::remove(list_of_colliders);
+  } else {
+    write_list(list_of_colliders, collider_times, collider_names);
+    remove_files_from(folder / "revolved", "collider_", files.size());
+  }
   return files.size();
 }
 

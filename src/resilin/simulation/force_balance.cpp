@@ -238,7 +238,11 @@ std::string describe_imbalance(const World& world, const Potential& potential, c
   // Forces on joined bodies add up to one residual: a body without any has the rounding of the others'.
   const ConnectedComponents parts(*world.pattern, world.share);
   std::map<Index, double> scale_of_part;
-  const auto part_of = [&](std::size_t b) { return parts.of_node(world.bodies[b].first_node); };
+  const auto part_of = [&](std::size_t b) {
+    const Body& body = world.bodies[b];
+    return parts.of_node(body.cells.size() == 0 ? body.first_node
+                                                : body.cells.front());  // its first node may be free
+  };
   for (std::size_t b = 0; b < forces.size(); ++b)
     if (is_joined(world, b)) {
       double& scale = scale_of_part[part_of(b)];

@@ -46,6 +46,7 @@ std::string folding_text(const World& world, const Body& body, const InvertedCel
 
 /// Below this share of the mean over its cell the volume at a point is lost.
 constexpr double lost_at_a_point = 0.5;
+constexpr double largest_volume_change = 0.1;  ///< where a cell keeps its volume
 
 /// Cells of a mixed element that keep their volume as a whole and lose it at points.
 InvertedCells cells_with_lost_points(const Body& body, const VectorX& x) {
@@ -57,7 +58,9 @@ InvertedCells cells_with_lost_points(const Body& body, const VectorX& x) {
     const auto points = std::span(ratios).subspan(first, num_points);
     const double mean = std::accumulate(points.begin(), points.end(), 0.) / static_cast<double>(num_points);
     const double least = std::ranges::min(points);
-    if (!(least > 0 && least < lost_at_a_point * mean)) continue;  // inverted ones are told apart
+    const bool keeps_volume = std::abs(mean - 1) < largest_volume_change;
+    if (!(keeps_volume && least > 0 && least < lost_at_a_point * mean))
+      continue;  // inverted ones are told apart
     ++found.count;
     if (found.worst >= 0 && least >= found.ratio) continue;
     found.ratio = least;

@@ -61,7 +61,7 @@ double force_stiffness(const World& world, const std::vector<const Body*>& bodie
     const double extent = largest_extent(shape.body, shape.rest_positions, world.dimension);
     const double volume =
         second_moments(shape.body.cell_kind, shape.body.cells, shape.rest_positions, world.dimension).size();
-    stiffness = std::max(stiffness, shape.modulus * volume / (extent * extent));
+    stiffness = std::max(stiffness, shape.modulus * world.thickness * volume / (extent * extent));
   }
   return stiffness;
 }

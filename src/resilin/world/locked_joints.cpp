@@ -23,6 +23,7 @@ constexpr double negligible = 1e-5;
 constexpr double trial_motion = 0.05, notable_change = 1e-6;
 constexpr double closed = 1e-9;  ///< gap of a closed loop, in extents
 constexpr int most_iterations = 30;
+constexpr Eigen::Index most_free = 6;  ///< motions that are tried one by one
 
 /// The rigid bodies that joints connect with one of them.
 class Mechanism {
@@ -60,7 +61,18 @@ class Mechanism {
   const std::vector<std::size_t>& joints() const { return joints_; }
   const std::vector<std::size_t>& bodies() const { return bodies_; }
 
-  /// Whether a value may change, without the equations of one of the joints if it is given.
+  bool is_led_by_a_support() const {
+    return std::ranges::any_of(unknowns_, [this](Index i) {
+      const auto support = world_.support_of[static_cast<std::size_t>(i)];
+      return support >= 0 && world_.supports[static_cast<std::size_t>(support)].moves();
+    });
+  }
+
+  /// Takes away what the supports hold.
+  void release() { is_released_ = true; }
+
+  /// Whether a value may change, without the equations of one of the joints if it is given. True where there
+  /// is too much to try.
   bool moves(const JointCoordinate& value, const Joint* without = nullptr) const {
     const VectorX& X = world_.rest_positions;
     Dense A;
@@ -72,6 +84,7 @@ class Mechanism {
     const Dense free = eigen.vectors.leftCols(num_free);
     const VectorX slope = slope_of(value, X);
     if ((free.transpose() * slope).norm() > negligible * slope.norm()) return true;
+    if (num_free > most_free) return true;
     // At a dead centre the value changes by the square of a motion.
     for (Eigen::Index k = 0; k < num_free; ++k)
       for (const double sign : {-1.0, 1.0})
@@ -87,6 +100,9 @@ class Mechanism {
     for (std::size_t i = 0; i < unknowns_.size(); ++i)
       own[static_cast<Eigen::Index>(i)] = of_world[unknowns_[i]];
     return own;
+  }
+  void clear(VectorX& of_world) const {
+    for (const Index i : unknowns_) of_world[i] = 0;
   }
   VectorX slope_of(const JointCoordinate& value, const VectorX& x) const {
     VectorX slope = VectorX::Zero(x.size());
@@ -112,14 +128,14 @@ class Mechanism {
         for (Index j = body.first_node; j < i; ++j) {
           const Vector3 side = node_position(dim(), i, x) - node_position(dim(), j, x);
           const double rest = (node_position(dim(), i, X) - node_position(dim(), j, X)).norm();
-          row.setZero();
           row.segment(Eigen::Index{i} * dim(), dim()) = side.head(dim());
           row.segment(Eigen::Index{j} * dim(), dim()) = -side.head(dim());
           add(gathered(row), 0.5 * (side.squaredNorm() - rest * rest));
+          clear(row);
         }
     }
     for (std::size_t i = 0; i < unknowns_.size(); ++i)
-      if (world_.support_of[static_cast<std::size_t>(unknowns_[i])] >= 0)
+      if (!is_released_ && world_.support_of[static_cast<std::size_t>(unknowns_[i])] >= 0)
         add(VectorX::Unit(static_cast<Eigen::Index>(unknowns_.size()), static_cast<Eigen::Index>(i)),
             x[unknowns_[i]] - X[unknowns_[i]]);
     for (const std::size_t number : joints_) {
@@ -128,16 +144,19 @@ class Mechanism {
       for (const Joint::Row& each : joint.rows)
         for (int k = 0; k < (each.direction ? 1 : dim()); ++k) {
           const Vector3 direction = each.direction.value_or(Vector3::Unit(k));
-          row.setZero();
-          for (const auto& [node, weight] : each.nodes)
+          double gap = 0;
+          for (const auto& [node, weight] : each.nodes) {
             row.segment(Eigen::Index{node} * dim(), dim()) += weight * direction.head(dim());
-          add(gathered(row), row.dot(x - X));
+            gap += weight * direction.dot(node_position(dim(), node, x) - node_position(dim(), node, X));
+          }
+          add(gathered(row), gap);
+          clear(row);
         }
       for (const JointCoordinate& gap : joint.gaps) add(slope_of(gap, x), gap.change(X, x));
       if (joint.distance) {
-        row.setZero();
         joint.distance->path().add_slopes(x, std::vector<double>{1}, row);
         add(gathered(row), joint.distance->length(x) - joint.rest_distance);
+        clear(row);
       }
     }
     A.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(unknowns_.size()));
@@ -173,6 +192,7 @@ class Mechanism {
   std::vector<std::size_t> joints_, bodies_;
   std::vector<Index> unknowns_;
   double extent_ = 0;  ///< extent of the largest body [m]
+  bool is_released_ = false;
 };
 
 std::string quoted(const std::vector<std::string>& names) {
@@ -185,13 +205,13 @@ std::string quoted(const std::vector<std::string>& names) {
 
 std::vector<std::string> locked_motors(const Description& description, const World& world) {
   std::vector<std::string> lines;
-  constexpr std::size_t most_bodies = 50;  // the equations are dense
+  constexpr std::size_t most_bodies = 8;  // the equations are dense
   for (std::size_t j = 0; j < world.joints.size(); ++j) {
     const JointDescription& given = description.joints[j];
     const Joint& joint = world.joints[j];
     if (!given.motor) continue;
-    const Mechanism mechanism(world, j);
-    if (mechanism.bodies().size() > most_bodies) continue;
+    Mechanism mechanism(world, j);
+    if (mechanism.bodies().size() > most_bodies || mechanism.is_led_by_a_support()) continue;
     const JointCoordinate value = coordinate_of(joint, world.dimension);
     if (mechanism.moves(value)) continue;
     std::vector<std::string> others, blamed, bodies;
@@ -201,14 +221,21 @@ std::vector<std::string> locked_motors(const Description& description, const Wor
       if (mechanism.moves(value, &world.joints[other])) blamed.push_back(world.joints[other].name);
     }
     for (const std::size_t body : joint.bodies) bodies.push_back(world.bodies[body].name);
+    const std::string start = given.place + ".motor: \"" + joint.name + "\" is locked: ";
+    mechanism.release();
+    if (blamed.empty() && mechanism.moves(value)) {
+      lines.push_back(start + "[[fix]] holds " + quoted(bodies) +
+                      "; hold another body, or leave the motor out");
+      continue;
+    }
     const std::vector<std::string>& locking = blamed.empty() ? others : blamed;
     const bool are_several = locking.size() > 1;
-    lines.push_back(
-        given.place + ".motor: \"" + joint.name + "\" is locked: " +
-        (locking.empty() ? "[[fix]]" : (are_several ? "the joints " : "the joint ") + quoted(locking)) +
-        (are_several ? " hold " : " holds ") + quoted(bodies) +
-        (are_several ? "; leave one of these joints out, or take a kind that leaves more free"
-                     : "; leave it out, or take a kind of joint that leaves more free"));
+    lines.push_back(start + (are_several ? "the joints " : "the joint ") + quoted(locking) +
+                    (are_several ? " hold " : " holds ") + quoted(bodies) +
+                    (blamed.empty()
+                         ? "; leave several of these joints out, or take kinds that leave more free"
+                     : are_several ? "; leave one of these joints out, or take a kind that leaves more free"
+                                   : "; leave it out, or take a kind of joint that leaves more free"));
   }
   return lines;
 }

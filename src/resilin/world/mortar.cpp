@@ -302,7 +302,9 @@ class Mortar {
       couplings.emplace_back(other, std::move(coupling));
     }
     if (!(covered >= least_coverage * whole)) {
-      if (const double distance = nearest_beyond_reach(plane, own); std::isfinite(distance))
+      if (covered > 0) {
+        // Part of it is near: what is said below helps.
+      } else if (const double distance = nearest_beyond_reach(plane, own); std::isfinite(distance))
         throw InputError(place, "surfaces that are at most " + format_short(max_distance_) + " m apart",
                          format_short(distance) + " m near " + place_of(nodes),
                          "raise max_distance, or select the parts that meet");

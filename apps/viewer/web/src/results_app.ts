@@ -152,8 +152,8 @@ export class ResultsApp {
     shell.inspected.header = header;
   }
 
-  /** Shows the angle that was chosen. */
-  private revolve(): void {
+  /** The scene anew, at the angle that was chosen, without what was made of the one before. */
+  private resetScene(): void {
     this.line = null;
     this.lineButton.setAttribute("aria-pressed", "false");
     this.hovered = null;
@@ -161,6 +161,11 @@ export class ResultsApp {
     this.rangeOverAll = true;
     this.shell.bar.setNote("");
     this.setScene();
+  }
+
+  /** Shows the angle that was chosen. */
+  private revolve(): void {
+    this.resetScene();
     this.wanted = this.timeline.index;
     this.addressBar.changed();
   }
@@ -362,7 +367,8 @@ export class ResultsApp {
     if (location.hash === "") view.field = this.values.fields[first].name;
     const { revolve } = shell.choices;
     Object.assign(shell.choices, view.look);
-    if (shell.choices.revolve !== revolve) this.setScene();
+    if (!this.values.recording.header.axisymmetric) shell.choices.revolve = 0;
+    if (shell.choices.revolve !== revolve) this.resetScene();
     shell.choices.field = nameOfField(this.values.fields, view.field ?? "");
     if (!vectorFields(this.values.fields).some(({ name }) => name === shell.choices.arrows)) shell.choices.arrows = "";
     shell.display!.refresh();
