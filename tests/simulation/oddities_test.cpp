@@ -74,9 +74,11 @@ TEST(Oddities, NameCellsThatLoseTheirVolumeAtAPoint) {
     State state = Simulation(scene).state();
     EXPECT_THAT(oddities(world, state), IsEmpty());
     const Body& body = world.bodies[0];
-    const Index corner = body.cells[2], middle = body.cells[3];  // between corners 0 and 1
-    const auto place = [&](Index node) { return state.positions.segment(Eigen::Index{node} * 2, 2); };
-    place(middle) += 0.55 * (place(corner) - place(middle));
+    const auto place = [&](int node) {
+      return state.positions.segment(Eigen::Index{body.cells[static_cast<std::size_t>(node)]} * 2, 2);
+    };
+    // Along the two edges of corner 0, so that the cell keeps its volume.
+    for (const int middle : {3, 5}) place(middle) += 0.45 * (place(0) - place(middle));
     std::string all;
     for (const std::string& line : oddities(world, state)) all += line;
     if (std::string(element) == "P2")
