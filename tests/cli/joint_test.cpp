@@ -187,6 +187,10 @@ axis = [1, 0]
 motor = { force = -1 }
 )";
   EXPECT_THAT(words(at_a_dead_centre), Not(HasSubstr("locked")));
+  const std::string held = four_bar.substr(0, four_bar.find("[[joint]]\nname = \"rocker\"")) +
+                           "\n[[fix]]\nbody = \"right\"\nwhere = { all = true }\n";
+  EXPECT_THAT(words(held), HasSubstr("the joints \"joint[1]\" and \"joint[2]\" hold \"left\""));
+  EXPECT_THAT(words(held + "rotate = { degrees = 20, center = [2, 0] }"), Not(HasSubstr("locked")));
 }
 
 // Strains of a thin rod would be differences of positions without digits.
