@@ -201,7 +201,7 @@ std::size_t write_revolved(const std::filesystem::path& folder, const Revolution
   const std::shared_ptr<const World> world = saved_world(folder);
   const std::string place = one_line(folder.string());
   if (!world)
-    throw InputError(place, "the folder of a run", "none of scene.bin", "name the folder given by --out");
+    throw InputError(place, "scene.bin in the folder of a run", "none", "name the folder given by --out");
   if (files.empty())
     throw InputError(place, "frames of the run in one file each", "none",
                      "run the scene with \"vtu\" among output.formats, in one process");
