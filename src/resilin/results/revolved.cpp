@@ -102,7 +102,7 @@ std::vector<SectionCell> section_cells(const Mesh& mesh) {
 }
 
 /// Lines of colliders, which reach beyond the axis, without their part there. They have values by cell alone.
-VtuContent cut_at_axis(VtuContent content) {
+VtuContent cut_at_axis(const VtuContent& content) {
   VtuContent cut;
   cut.time = content.time;
   std::vector<Vector3>& vertices = cut.file.mesh.vertices;

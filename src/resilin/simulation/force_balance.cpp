@@ -41,9 +41,8 @@ std::string gap_text(const Body& body, const ForceBalance& balance) {
 /// How the strain energy of a body changes from x to both sides of it, by parts of a displacement.
 class EnergyRate {
  public:
-  EnergyRate(const World& world, const Body& body, const Conditions& conditions, const VectorX& x,
-             const VectorX& displacement)
-      : share_(world.share), body_(body), conditions_(conditions), x_(x), displacement_(displacement) {
+  EnergyRate(const World& world, const Body& body, const VectorX& x, const VectorX& displacement)
+      : share_(world.share), body_(body), x_(x), displacement_(displacement) {
     const double largest = world.share.largest(displacement
                                                    .segment(Eigen::Index{body.first_node} * world.dimension,
                                                             Eigen::Index{body.num_nodes} * world.dimension)
@@ -86,7 +85,6 @@ class EnergyRate {
 
   const ProcessGroup& share_;
   const Body& body_;
-  const Conditions& conditions_;
   const VectorX& x_;
   const VectorX& displacement_;
   double part_ = part_of_displacement, smallest_part_ = part_of_displacement, after_ = 0, before_ = 0;
@@ -185,7 +183,7 @@ std::vector<WorkBalance> measure_work(const World& world, const Potential& poten
   std::vector<WorkBalance> balances;
   for (const Body& body : world.bodies) {
     WorkBalance balance;
-    EnergyRate energy(world, body, potential.conditions(), x, displacement);
+    EnergyRate energy(world, body, x, displacement);
     balance.strain_energy = energy.rate();
     balance.scale = energy.scale();
     const Eigen::Index first = Eigen::Index{body.first_node} * world.dimension;

@@ -54,7 +54,8 @@ double area_of(const Polygon& polygon) {
 /// The part of a polygon within a convex one, both anticlockwise (Sutherland & Hodgman 1974).
 Polygon clipped(Polygon polygon, const Polygon& by) {
   for (std::size_t i = 0; i < by.size() && !polygon.empty(); ++i) {
-    const Point from = by[i], way = by[(i + 1) % by.size()] - from;
+    const Point& from = by[i];
+    const Point way = by[(i + 1) % by.size()] - from;
     const auto side = [&](const Point& p) { return way.x() * (p - from).y() - way.y() * (p - from).x(); };
     Polygon left;
     for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -182,7 +183,7 @@ class FacetBoxes {
 class Mortar {
  public:
   Mortar(int dim, const CellBlock& facets, const CellBlock& leader, const VectorX& X, double max_distance)
-      : dim_(dim), facets_(facets), leader_(leader), X_(X), max_distance_(max_distance) {
+      : dim_(dim), facets_(facets), leader_(leader), rest_(X), max_distance_(max_distance) {
     for (const Index node : facets.nodes) row_of_.emplace(node, 0);
     for (auto& [node, row] : row_of_) {
       row = rows_.size();
@@ -193,7 +194,7 @@ class Mortar {
 
   std::vector<MortarRow> rows(const std::function<bool(Index)>& is_plain, const std::string& place) {
     find_edges(is_plain);
-    const FacetBoxes boxes(dim_, leader_, X_);
+    const FacetBoxes boxes(dim_, leader_, rest_);
     for (Index f = 0; f < facets_.num_cells(); ++f) add_facet(f, boxes, place);
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       for (const auto& [node, weight] : of_leader_[i])
@@ -225,7 +226,8 @@ class Mortar {
   Polygon flat_corners(const Plane& plane, const CellBlock& block, Index facet) const {
     Polygon corners;
     for (int k = 0; k < num_corners(block.kind); ++k)
-      corners.push_back(plane.flat(node_position(dim_, block.cell(facet)[static_cast<std::size_t>(k)], X_)));
+      corners.push_back(
+          plane.flat(node_position(dim_, block.cell(facet)[static_cast<std::size_t>(k)], rest_)));
     return corners;
   }
 
@@ -249,12 +251,12 @@ class Mortar {
   void add_facet(Index f, const FacetBoxes& boxes, const std::string& place) {
     const std::span<const Index> nodes = facets_.cell(f);
     const auto n = static_cast<Eigen::Index>(nodes.size());
-    const Plane plane(dim_, facets_.kind, nodes, X_);
+    const Plane plane(dim_, facets_.kind, nodes, rest_);
     const Polygon own = flat_corners(plane, facets_, f);
-    Vector3 low = node_position(dim_, nodes[0], X_), high = low;
+    Vector3 low = node_position(dim_, nodes[0], rest_), high = low;
     for (const Index node : nodes) {
-      low = low.cwiseMin(node_position(dim_, node, X_));
-      high = high.cwiseMax(node_position(dim_, node, X_));
+      low = low.cwiseMin(node_position(dim_, node, rest_));
+      high = high.cwiseMax(node_position(dim_, node, rest_));
     }
     // Shape functions of corners take the middles of their edges along.
     Eigen::MatrixXd taken = Eigen::MatrixXd::Identity(n, n);
@@ -270,7 +272,7 @@ class Mortar {
     const double whole = size_of(own);
     for (const Index other : boxes.near(low, high, max_distance_)) {
       const std::span<const Index> leaders = leader_.cell(other);
-      if (!(area_vector(dim_, leader_.kind, leaders, X_).normalized().dot(plane.normal) < -least_cosine))
+      if (!(area_vector(dim_, leader_.kind, leaders, rest_).normalized().dot(plane.normal) < -least_cosine))
         continue;
       const Polygon corners = flat_corners(plane, leader_, other);
       const Polygon both = overlap(own, corners);
@@ -285,8 +287,8 @@ class Mortar {
         shape_values(leader_.kind, corners, point.at, {leader_values.data(), static_cast<std::size_t>(m)});
         double height = 0;
         for (Eigen::Index k = 0; k < m; ++k)
-          height +=
-              leader_values[k] * plane.height(node_position(dim_, leaders[static_cast<std::size_t>(k)], X_));
+          height += leader_values[k] *
+                    plane.height(node_position(dim_, leaders[static_cast<std::size_t>(k)], rest_));
         distance = std::max(distance, std::abs(height));
         const Eigen::VectorXd own_values = taken * values;
         mass += point.weight * own_values * own_values.transpose();
@@ -336,14 +338,14 @@ class Mortar {
     double nearest = std::numeric_limits<double>::infinity();
     for (Index other = 0; other < leader_.num_cells(); ++other) {
       const std::span<const Index> leaders = leader_.cell(other);
-      if (!(area_vector(dim_, leader_.kind, leaders, X_).normalized().dot(plane.normal) < -least_cosine))
+      if (!(area_vector(dim_, leader_.kind, leaders, rest_).normalized().dot(plane.normal) < -least_cosine))
         continue;
       const Polygon corners = flat_corners(plane, leader_, other);
       if (!(size_of(overlap(own, corners)) > negligible_area * size_of(own))) continue;
       double distance = 0;
       for (std::size_t k = 0; k < corners.size(); ++k)
-        distance +=
-            std::abs(plane.height(node_position(dim_, leaders[k], X_))) / static_cast<double>(corners.size());
+        distance += std::abs(plane.height(node_position(dim_, leaders[k], rest_))) /
+                    static_cast<double>(corners.size());
       if (distance > max_distance_) nearest = std::min(nearest, distance);
     }
     return nearest;
@@ -352,7 +354,7 @@ class Mortar {
   std::string place_of(std::span<const Index> nodes) const {
     Vector3 middle = Vector3::Zero();
     for (const Index node : nodes)
-      middle += node_position(dim_, node, X_) / static_cast<double>(nodes.size());
+      middle += node_position(dim_, node, rest_) / static_cast<double>(nodes.size());
     std::string text = "(" + format_short(middle.x()) + ", " + format_short(middle.y());
     return text + (dim_ == 3 ? ", " + format_short(middle.z()) : "") + ")";
   }
@@ -360,7 +362,7 @@ class Mortar {
   int dim_;
   const CellBlock& facets_;
   const CellBlock& leader_;
-  const VectorX& X_;
+  const VectorX& rest_;
   double max_distance_;
   std::map<Index, std::size_t> row_of_;
   std::vector<MortarRow> rows_;
