@@ -295,21 +295,13 @@ class Mortar {
         sizes += point.weight * own_values;
         coupling += point.weight * own_values * leader_values.transpose();
       }
-      if (distance > max_distance_) {
-        throw InputError(place, "surfaces that are at most " + format_short(max_distance_) + " m apart",
-                         format_short(distance) + " m near " + place_of(nodes),
-                         "raise max_distance, or select the parts that meet");
-      }
+      if (distance > max_distance_) throw apart(place, distance, nodes);
       covered += size;
       couplings.emplace_back(other, std::move(coupling));
     }
     if (!(covered >= least_coverage * whole)) {
-      if (covered > 0) {
-        // Part of it is near: what is said below helps.
-      } else if (const double distance = nearest_beyond_reach(plane, own); std::isfinite(distance))
-        throw InputError(place, "surfaces that are at most " + format_short(max_distance_) + " m apart",
-                         format_short(distance) + " m near " + place_of(nodes),
-                         "raise max_distance, or select the parts that meet");
+      const double distance = nearest_beyond_reach(plane, own);
+      if (covered == 0 && std::isfinite(distance)) throw apart(place, distance, nodes);
       throw InputError(place, "a surface that lies on the other one",
                        "a facet near " + place_of(nodes) + " of which " +
                            format_short(100 * (1 - covered / whole)) + " % face nothing within " +
@@ -331,6 +323,12 @@ class Mortar {
           of_leader_[row_of_.at(nodes[static_cast<std::size_t>(a)])][leaders[static_cast<std::size_t>(k)]] +=
               weights(a, k);
     }
+  }
+
+  InputError apart(const std::string& place, double distance, std::span<const Index> nodes) const {
+    return InputError(place, "surfaces that are at most " + format_short(max_distance_) + " m apart",
+                      format_short(distance) + " m near " + place_of(nodes),
+                      "raise max_distance, or select the parts that meet");
   }
 
   /// Distance of the nearest facet that faces this one from farther than the tie reaches [m]; infinite: none.
